@@ -103,7 +103,8 @@ def judged(number: int, asked) -> tuple[list[dict]]:
     true = reached_table(*whole, Accuracy(within=WITHIN[0]), 0.05)
     tables = []
     for within in WITHIN:
-        accuracy, counts = Accuracy(within=within, most=MOST), START
+        accuracy = Accuracy(within=within, most=MOST)
+        counts = START
         while counts:
             levels = own.closed(counts)
             table = reached_table(*levels, accuracy, 0.05)
@@ -113,13 +114,15 @@ def judged(number: int, asked) -> tuple[list[dict]]:
     seconds, known = known_afterwards([own.closed(Counts(*map(len, own.rows))), whole])
     for table, within in zip(tables, WITHIN, strict=True):
         table["cheapest"] = cheapest_seconds(within, seconds, known)
-        table["truth"], table["truth_error"] = true.value, (true.high - true.low) / 2 / NORMAL
+        table["truth"] = true.value
+        table["truth_error"] = (true.high - true.low) / 2 / NORMAL
     return (pd.concat(tables).to_dict("records"),)
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
     """Summarise by request."""
-    apart, room = (table.value - table.truth).abs() / table.truth, table.truth_error / table.truth
+    apart = (table.value - table.truth).abs() / table.truth
+    room = table.truth_error / table.truth
     table = table.assign(apart=apart, room=room)
     half = 0.5 * (table.high - table.low) / table.truth
     table["covered"] = apart <= np.hypot(half, NORMAL * room)

@@ -59,7 +59,8 @@ class Stresses(NamedTuple):
 
 def stresses_of(largest: float, landing: float) -> Stresses:
     """`LEVELS` of a largest stress [Pa], and that from which a joint lands on it, if it does."""
-    levels, end = LEVELS * largest, min(landing, largest)
+    levels = LEVELS * largest
+    end = min(landing, largest)
     every = np.unique(np.append(levels, end))
     half, last = np.searchsorted(every, [0.5 * largest, end])
     return Stresses(every, np.searchsorted(every, levels), int(half), int(last))
@@ -103,14 +104,16 @@ def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> H
     largest stress is met again in the state in which it was left, which is not asked for again.
     """
     shape = (len(BRANCHES), stresses.size)
-    closure, contact = np.zeros(shape), np.zeros(shape)
+    closure = np.zeros(shape)
+    contact = np.zeros(shape)
     up = range(stresses.size)
     for branch, order in enumerate((up, up[::-1], up)):
         if branch == 2:
             residual = left()
         for level in order:
             if branch and level == up[-1]:
-                closure[branch, level], contact[branch, level] = closure[0, -1], contact[0, -1]
+                closure[branch, level] = closure[0, -1]
+                contact[branch, level] = contact[0, -1]
                 continue
             closure[branch, level], pressure = press(stresses[level])
             contact[branch, level] = np.mean(pressure > 0.0)
@@ -119,7 +122,9 @@ def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> H
 
 def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
     """A code of `peers.py`: one curve for all branches."""
-    solve, guess, curves = set_up(gap), np.ones_like(gap), []
+    solve = set_up(gap)
+    guess = np.ones_like(gap)
+    curves = []
     for stress in stresses:
         closure, guess, _ = solve(stress, guess * (stress / guess.mean()), 1e-6, np.ptp(gap))
         curves.append((closure, np.mean(guess > 0.0)))
@@ -189,7 +194,8 @@ def closed(name: str, history_of: Callable, walls, stresses: np.ndarray) -> Hist
 
 def readings(history: History, stresses: Stresses) -> dict[str, float]:
     """What is compared, in micrometres, percent and MPa/mm."""
-    half, top = stresses.half, stresses.all.size - 1
+    half = stresses.half
+    top = stresses.all.size - 1
     chords = {
         branch: _chord(
             history.closure[place], stresses.all, half, stresses.end if place == 0 else top
@@ -227,7 +233,8 @@ def table_of(histories: dict[str, list[History]], stresses: list[Stresses]) -> p
     for name, own in read.items():
         for reading in own:
             known = own[reading].notna()
-            values, of_ours = own[reading][known], ours[reading][known]
+            values = own[reading][known]
+            of_ours = ours[reading][known]
             rows.append(
                 {"model": name, "reading": reading, "realizations": int(known.sum())}
                 | dict(zip(("mean", "error"), mean_of(values), strict=True))
@@ -253,7 +260,8 @@ def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresse
         closure = 1e3 * np.array([each.closure[:, there] for each, there in own])
         contact = 100.0 * np.array([each.contact[:, there] for each, there in own])
         known = np.isfinite(closure[:, 0, 0])
-        closure, contact = closure[known], contact[known]
+        closure = closure[known]
+        contact = contact[known]
         error = closure.std(axis=0, ddof=1) / np.sqrt(len(closure))
         for branch, line in enumerate(("-", "--", ":")):
             label = title if branch == 0 else None
@@ -273,7 +281,8 @@ def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresse
 def main(realizations: int, stress: float, output: Path) -> None:
     """Print the machine and the comparison; write tables/continuum.csv and the figure."""
     settings = case_settings(realizations, peers.CELLS, stress, FULL)
-    pairs, histories = list(walls_of(settings)), {}
+    pairs = list(walls_of(settings))
+    histories = {}
     stresses = [
         stresses_of(stress, history_of(close(walls, FULL, stress)).landing_stresses[0])
         for walls in pairs

@@ -64,7 +64,8 @@ def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[Conditions, d
         np.exp(random.uniform(*np.log(ends))) for ends in ((5e9, 80e9), (20e6, 250e6))
     )
     rock = jc.Rock(float(modulus), float(random.uniform(0.1, 0.4)), float(strength))
-    jrc, share = random.uniform(2.0, 20.0), np.exp(random.uniform(*np.log((1e-3, 0.5))))
+    jrc = random.uniform(2.0, 20.0)
+    share = np.exp(random.uniform(*np.log((1e-3, 0.5))))
     size = round(random.uniform(*cells))
     roll_off = None if random.uniform() < 0.5 else 3e-3
     walls = {"jrc": float(jrc), "shape": (size, size), "roll_off": roll_off}
@@ -86,7 +87,9 @@ class Surfaces(Pilot):
     def for_joints(self, joints: int) -> "Surfaces":
         """Return a pilot for a number of joints that has closed nothing yet."""
         pilot = copy.copy(self)
-        pilot.joints, pilot.closed, pilot.frozen_seconds = joints, {}, 0.0
+        pilot.joints = joints
+        pilot.closed = {}
+        pilot.frozen_seconds = 0.0
         return pilot
 
     def close(self, walls: Walls, effects: jc.Effects, **changes: Any) -> SimulatedJoint:
@@ -112,7 +115,8 @@ def true_change(
             return np.full(changes.shape[1:], np.inf), np.zeros(changes.shape[1:])
         if count == 1:
             continue
-        mean, known = np.nanmean(changes, axis=0), np.isfinite(changes).sum(axis=0)
+        mean = np.nanmean(changes, axis=0)
+        known = np.isfinite(changes).sum(axis=0)
         error = np.nanstd(changes, axis=0, ddof=1) / known**0.5
         low, high = (np.abs(mean) + sign * BEYOND * error for sign in (-1.0, 1.0))
         low, high = (np.nan_to_num(end, nan=0.0)[CLOSURES].max() for end in (low, high))
@@ -130,7 +134,8 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
     mean, error = ({effects: of[place] for effects, of in found.items()} for place in (0, 1))
     times = {effects: truth.seconds(effects) / truth.seconds(ALL) for effects in scenes}
     rows = []
-    stress, strength = truth.conditions.max_normal_stress, truth.conditions.rock[0][2]
+    stress = truth.conditions.max_normal_stress
+    strength = truth.conditions.rock[0][2]
     about = {"scene": number, "stress_over_strength": stress / strength}
     least = {effects: np.abs(of) - BEYOND * error[effects] for effects, of in mean.items()}
     beyond = {effects: np.nan_to_num(of, nan=0.0)[CLOSURES].max() for effects, of in least.items()}
@@ -138,7 +143,8 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
         for tolerance in TOLERANCES:
             pilot = pilots.for_joints(joints)
             choice = choose_among(pilot, tolerance)
-            chosen, true = choice.effects, np.abs(mean[choice.effects])
+            chosen = choice.effects
+            true = np.abs(mean[choice.effects])
             significant = true > BEYOND * error[chosen]
             best = min(time for effects, time in times.items() if beyond[effects] <= tolerance)
             # what is lost is measured beside the joints of the same pilot

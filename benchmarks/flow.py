@@ -54,7 +54,8 @@ def codes() -> dict[str, Callable[[np.ndarray], float]]:
 
 def main(cells: list[int], repeats: int, output: Path | None = None) -> None:
     """Print processor times and errors of all codes; write them as flow.csv in a folder."""
-    runs, rows = codes(), []
+    runs = codes()
+    rows = []
     for number in cells:
         gap = published_gap(number)
         times: dict[str, list[float]] = {name: [] for name in runs}

@@ -64,7 +64,8 @@ def case_of(scene: str, seed: int, realisations: int):
         cycles=1, root_seed=seed,
     )  # fmt: skip
     case = settings.case.changed("jrc", BASE["jrc"]).under(seating_stress=0.0)
-    point, names = Point({}, settings._replace(case=case)), names_of_case(flow=False)
+    point = Point({}, settings._replace(case=case))
+    names = names_of_case(flow=False)
     return lambda: close_joints(point, point.walls(), names)
 
 
@@ -102,14 +103,16 @@ def once(cells: int, output: Path | None) -> None:
 
 def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
     """Times and memory along one axis, one row a surface."""
-    rows, medians = [], []
+    rows = []
+    medians = []
     for value in VALUES[axis]:
         if axis == "cells" and len(medians) > 1:
             (before, early), (last, late) = medians[-2:]
             slope = np.log(late / early) / np.log(last / before)
             if late * (value / last) ** slope > limit:
                 break
-        pair, times = yardstick.Pair(), []
+        pair = yardstick.Pair()
+        times = []
         for seed in range(surfaces):
             pair.sample()
             seconds, memory = yardstick.called_alone(closed_alone, axis, scene, seed, float(value))
@@ -126,12 +129,14 @@ def fit_of(x: np.ndarray, ms: np.ndarray, at: np.ndarray) -> dict[str, np.ndarra
 
     ``low`` and ``high`` are the ends of the interval that holds 95 % of single surfaces.
     """
-    middle, freedom = np.log(x).mean(), x.size - 3
+    middle = np.log(x).mean()
+    freedom = x.size - 3
     coefficients, covariance = np.polyfit(np.log(x) - middle, np.log(ms), 2, cov=True)
     apart = np.log(ms) - np.polyval(coefficients, np.log(x) - middle)
     variance = (apart**2).sum() / freedom
     u = np.log(at) - middle
-    here, slope = np.vander(u, 3), np.stack([2.0 * u, np.ones(u.size), np.zeros(u.size)], axis=1)
+    here = np.vander(u, 3)
+    slope = np.stack([2.0 * u, np.ones(u.size), np.zeros(u.size)], axis=1)
     error = np.sqrt(np.einsum("ij,jk,ik->i", here, covariance, here) + variance)
     half = scipy.stats.t.ppf(0.975, freedom) * error
     fitted = here @ coefficients
@@ -155,7 +160,8 @@ def summarised(closed: pd.DataFrame) -> pd.DataFrame:
             row |= {"pairs": group.ms.median() / group["pair ms"].max()}
             rows.append(row | {"pair ms": group["pair ms"].max()})
         table = pd.DataFrame(rows)
-        x, at = abscissa(axis, part["value"]), abscissa(axis, table["value"])
+        x = abscissa(axis, part["value"])
+        at = abscissa(axis, table["value"])
         parts.append(table.assign(**fit_of(x, part.ms.to_numpy(), at)))
     return pd.concat(parts, ignore_index=True)
 

@@ -46,7 +46,8 @@ def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
 
 def known_wavelengths() -> pd.DataFrame:
     """Fit joints of known wavelength, all compared with the same simulated joints."""
-    rows, joints = [], None
+    rows = []
+    joints = None
     for wavelength in KNOWN:
         for seed in range(FIRST_SEED, FIRST_SEED + REPEATS):
             result = jc.fit(

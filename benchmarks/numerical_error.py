@@ -72,7 +72,8 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
         by_setting = joint.set_index(["tolerance", "copy"])
         for quantity, title in QUANTITIES.items():
             values = by_setting[quantity]
-            value, changed = values[1.0].iloc[0], values[2.0].to_numpy()
+            value = values[1.0].iloc[0]
+            changed = values[2.0].to_numpy()
             contacts = float(by_setting.contacts[1.0].iloc[0])
             stated = numerical_error(value, changed, [value, *changed], contacts, int(cycle))
             seconds = by_setting.seconds

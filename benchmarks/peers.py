@@ -45,7 +45,8 @@ def love_table() -> np.ndarray:
     at = np.roll(np.arange(-CELLS, CELLS), CELLS) * SPACING
     table = np.zeros(PADDED)
     for i, j in itertools.product((-1, 1), repeat=2):
-        y, x = at[:, None] + 0.5 * i * SPACING, at + 0.5 * j * SPACING
+        y = at[:, None] + 0.5 * i * SPACING
+        x = at + 0.5 * j * SPACING
         table += i * j * (x * np.arcsinh(y / abs(x)) + y * np.arcsinh(x / abs(y)))
     return table / (np.pi * MODULUS)
 
@@ -67,7 +68,9 @@ def displacement(pressure: np.ndarray) -> np.ndarray:
 
 def polonsky_keer(product, gap, load, pressure, tolerance):
     """Polonsky & Keer (1999), by the text: conjugate gradients in the contacts at given load."""
-    direction, keep, before = np.zeros_like(gap), 0.0, 1.0
+    direction = np.zeros_like(gap)
+    keep = 0.0
+    before = 1.0
     for iteration in range(5000):
         deformed = product(pressure) + gap
         touching = pressure > 0.0
@@ -104,7 +107,8 @@ def own_dense(gap):
 
     def solve(stress, guess, tolerance, closure):
         y, x = cells = np.nonzero(gap <= closure)
-        matrix, pressure = TABLE[y[:, None] - y, x[:, None] - x], np.zeros_like(gap)
+        matrix = TABLE[y[:, None] - y, x[:, None] - x]
+        pressure = np.zeros_like(gap)
         closure, pressure[cells], products = polonsky_keer(
             matrix.__matmul__, gap[cells], stress * gap.size, guess[cells], tolerance
         )
@@ -146,7 +150,8 @@ def tamaas(gap):
 
     tm.set_log_level(tm.LogLevel.error)
     model = tm.Model(tm.model_type.basic_2d, [SIDE, SIDE], list(gap.shape))
-    model.E, model.nu = MODULUS, 0.0
+    model.E = MODULUS
+    model.nu = 0.0
     tm.ModelFactory.registerNonPeriodic(model, "free")
     solver = tm.PolonskyKeerRey(model, -gap, TOLERANCE)
     solver.setIntegralOperator("free")
@@ -168,7 +173,8 @@ def slippy(gap):
     solution) instead of the stresses. `polonsky_and_keer`, for given loads, takes twice as long."""
     import slippy
 
-    slippy.CUDA, slippy.CORES = False, 1
+    slippy.CUDA = False
+    slippy.CORES = 1
     from slippy.core import bccg, elastic_influence_matrix_spatial, plan_convolve
 
     step = (SPACING, SPACING)
@@ -176,7 +182,9 @@ def slippy(gap):
     half_space = plan_convolve(gap, table, gap < np.inf, fft_im=False)
 
     def solve(_, guess, tolerance, closure):
-        overlap, pressure, products = closure - gap, np.zeros_like(gap), itertools.count()
+        overlap = closure - gap
+        pressure = np.zeros_like(gap)
+        products = itertools.count()
         cells = overlap > 0.0
         half_space.change_domain(cells)
 
@@ -219,7 +227,8 @@ GIVEN_CLOSURES = ("own, by matrix", "slippy")
 
 def curve(solve, gap, tolerance, given) -> tuple:
     """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``given`` are given closures."""
-    pressure, answers = np.ones_like(gap), []
+    pressure = np.ones_like(gap)
+    answers = []
     for stress, closure in zip(STRESSES, given, strict=True):
         answers.append(solve(stress, pressure * (stress / pressure.mean()), tolerance, closure))
         pressure = answers[-1][1]
@@ -281,7 +290,8 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
     walls = yardstick.joint_walls(CELLS, seed)
     gap = np.max(walls[0] + walls[1]) - (walls[0] + walls[1])
     exact = curve(own(gap), gap, 1e-10, STRESSES)  # which it does not use
-    rows, runs = {"jointclosure": joint_row(walls)}, {"jointclosure": (simulate, walls)}
+    rows = {"jointclosure": joint_row(walls)}
+    runs = {"jointclosure": (simulate, walls)}
     for name, set_up in PEERS.items():
         try:
             solve = set_up(gap)
@@ -293,7 +303,8 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
         rows[name] = {"version": used} | peer_row(name, solve, gap, exact)
         runs[name] = (curve, solve, gap, rows[name]["tolerance"], exact[0])
 
-    times, pair = {name: [] for name in runs}, yardstick.Pair(PADDED[0])
+    times = {name: [] for name in runs}
+    pair = yardstick.Pair(PADDED[0])
     for _, (name, (run, *given)) in itertools.product(range(repeats), runs.items()):
         pair.sample()
         times[name].append(1e3 * yardstick.timed(lambda run=run, given=given: run(*given))[0])

@@ -44,7 +44,8 @@ def joints(scans: list[Path]) -> Iterator[tuple[str, tuple]]:
     """Generate names of joints, and their walls (y, x) [m], spacing [m], rock and stress [Pa]."""
     for at, rock in enumerate(NAMES):
         for number, (cells, stress, mated) in enumerate(JOINTS):
-            seed, shape = FIRST_SEED + 10 * at + number, (cells, cells)
+            seed = FIRST_SEED + 10 * at + number
+            shape = (cells, cells)
             walls = jc.wall_pair(ROCKS[rock].jrc, shape, SPACING, seed, mismatch_wavelength=mated)
             yield f"{rock} {number}", (walls, SPACING, rock, stress)
     for file in sorted(file for folder in scans for file in folder.glob("*_upper.*")):
@@ -75,7 +76,8 @@ def summarised(table: pd.DataFrame, finest: pd.DataFrame, paper: pd.DataFrame) -
     They are from the joints of the ``finest`` setting, and times over those of the ``paper``'s.
     """
     of_joint = table.set_index(["setting", "joint"])
-    reference, paper = finest.set_index("joint"), paper.set_index("joint")
+    reference = finest.set_index("joint")
+    paper = paper.set_index("joint")
     rows = []
     for setting in table.setting.unique():
         joints = of_joint.loc[setting]

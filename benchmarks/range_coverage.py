@@ -87,9 +87,11 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
 def closed(number: int) -> tuple[Truth, ClosedJoint]:
     """Return the truth of a pair, and the joint of its scans with ranges."""
     stated, rock, stress = inputs(number)
-    truth, shift = Truth(number, **stated), None
+    truth = Truth(number, **stated)
+    shift = None
     if not stated["rotation"]:
-        truth.own, shift = truth.middle, "scanned"  # in the frame of the lower scan
+        truth.own = truth.middle
+        shift = "scanned"  # in the frame of the lower scan
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         joint = jc.close(
@@ -101,7 +103,8 @@ def closed(number: int) -> tuple[Truth, ClosedJoint]:
 
 def truths(number: int, truth: Truth, joint: ClosedJoint) -> list[tuple[str, xr.Dataset]]:
     """Close the true walls with the usual choices of the model, and with random ones."""
-    walls, conditions = truth.walls(joint.pair), joint.conditions
+    walls = truth.walls(joint.pair)
+    conditions = joint.conditions
     variants = [Variant(USUAL, "", conditions)]
     sources = {
         name: source._replace(
@@ -122,7 +125,8 @@ def compared(number: int) -> list[dict]:
     """Return the ranges of a pair beside the true results, a row for each."""
     truth, joint = closed(number)
     assert joint.budget is not None
-    curves, ranges = joint.curves, joint.budget.ranges
+    curves = joint.curves
+    ranges = joint.budget.ranges
     levels = np.sort(curves.normal_stress_MPa.unique())
     at = [levels[np.abs(levels - share * levels[-1]).argmin()] for share in SHARES_OF_MAXIMUM]
     places = ["cycle", "branch", "normal_stress_MPa"]
@@ -178,7 +182,8 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
     """
     known = table[(table.true > 0.0) & (table.high > table.low) & (table.low > 0.0)]
     scaled = on_scale(known)
-    middle, half = 0.5 * (scaled.low + scaled.high), 0.5 * (scaled.high - scaled.low)
+    middle = 0.5 * (scaled.low + scaled.high)
+    half = 0.5 * (scaled.high - scaled.low)
     known = known.assign(
         inside=known.true.between(known.low, known.high),
         departure=((scaled.true - middle) / half).abs(),
@@ -186,7 +191,8 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
         error=(scaled.best - scaled.true).abs(),
         error_of_middle=(middle - scaled.true).abs(),
     )
-    random, rows = generator(seed_of(3, "coverage")), []
+    random = generator(seed_of(3, "coverage"))
+    rows = []
     for place, part in known.groupby(["truth", "quantity", "part", "cycle"], dropna=False):
         by_pair = part.groupby("number")
         inside = by_pair.inside.mean().to_numpy()

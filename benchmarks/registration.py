@@ -67,7 +67,9 @@ class Truth:
             self.about["jrc"], shape, fine, number, roll_off=None,
             mismatch_wavelength=self.about["mating"], unusual_values=True,
         )  # fmt: skip
-        self.fine, self.upper, self.lower = fine, -walls[0], walls[1]
+        self.fine = fine
+        self.upper = -walls[0]
+        self.lower = walls[1]
         middle = 0.5 * fine * (np.array([shape[1], shape[0], 0]) - 1.0)
         tilt_axis = rotation("z", random.uniform(0.0, 360.0))
         tilt = tilt_axis @ rotation("x", self.about["tilt"]) @ tilt_axis.T
@@ -174,7 +176,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     aims = {"degrees": 0.02, "cells": 0.1}
     if "ratio" in table:
         for name, ratio in RATIOS.items():
-            errors[name], aims[name] = (table[ratio] - 1.0).abs(), 0.05
+            errors[name] = (table[ratio] - 1.0).abs()
+            aims[name] = 0.05
     row = {"pairs": len(table)} | {f"rms_{name}": value for name, value in scores.items()}
     for name, error in errors.items():
         row |= {f"{name}_within": int((error <= aims[name]).sum()), f"{name}_aim": aims[name]}

@@ -178,7 +178,8 @@ def pair_warned(upper: np.ndarray, lower: np.ndarray) -> list[str]:
 
 def judged(pairs: int, scans: dict[str, Scan | Cloud]) -> pd.DataFrame:
     """Count scans that are warned of, of each undamaged kind and of each defect."""
-    kinds, rows = undamaged(), []
+    kinds = undamaged()
+    rows = []
 
     def add(kind: str, damaged: bool, warnings_of: list[list[str]]) -> None:
         count = sum(map(bool, warnings_of))
@@ -234,7 +235,8 @@ def closed(pairs: int, defects: dict[str, Defect]) -> pd.DataFrame:
             assert joint.budget is not None
             ranges = joint.budget.ranges.xs(CLOSURE_NET, level="quantity")
             for cycle in (1, 2):
-                truth, row = float(true[cycle - 1]), ranges.loc[cycle]
+                truth = float(true[cycle - 1])
+                row = ranges.loc[cycle]
                 rows.append({
                     "defect": name, "number": number, "cycle": cycle, "true_mm": truth,
                     "before": before[cycle - 1] / truth, "best": row.best / truth,

@@ -38,8 +38,10 @@ def elastic(arguments) -> pd.DataFrame:
     """Closure curves without breakage."""
     rows = []
     for cells, mated in ((100, False), (arguments.cells, False), (arguments.cells, True)):
-        pair, own = yardstick.Pair(), yardstick.Pair(2 * cells, 5)
-        times, curves = [], []
+        pair = yardstick.Pair()
+        own = yardstick.Pair(2 * cells, 5)
+        times = []
+        curves = []
         for seed in range(arguments.repeats):
             walls = yardstick.joint_walls(cells, seed, mated)
             pair.sample()
@@ -79,7 +81,9 @@ def study(arguments) -> pd.DataFrame:
     rows = []
     for case in cases:
         yardstick.base_case(small, case, 0)  # to compile
-        pair, times, closed = yardstick.Pair(), [], []
+        pair = yardstick.Pair()
+        times = []
+        closed = []
         for realization in range(arguments.repeats):
             pair.sample()
             seconds, found = yardstick.base_case(configuration, case, realization)
@@ -116,7 +120,9 @@ def reference(arguments) -> pd.DataFrame:
     """The paper's loop and the fast solver on the same walls."""
     rows = []
     for scene in yardstick.SCENES:
-        cells, pair, runs = largest_grid(scene, arguments.minute), yardstick.Pair(), []
+        cells = largest_grid(scene, arguments.minute)
+        pair = yardstick.Pair()
+        runs = []
         for seed in range(arguments.repeats):
             pair.sample()
             runs.append(

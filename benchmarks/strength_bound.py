@@ -118,7 +118,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
         by = part.pivot_table(index="joint", columns=["setting", "copy"], values=f"closure_{cycle}")
         if by.empty:
             continue
-        fine, spread = by["resolved"].mean(axis=1), by["resolved"].std(axis=1)
+        fine = by["resolved"].mean(axis=1)
+        spread = by["resolved"].std(axis=1)
         row = {"walls": kind, "bound": rule, "cycle": cycle, "joints": len(by)}
         for setting in [name for name in ("steps/64", "steps/256") if name in by]:
             apart = (by[setting, "as it is"] - fine).dropna()

@@ -131,7 +131,9 @@ class Pair:
     """One FFT pair of size x size doubles: `sample` times it, `seconds` is the median so far."""
 
     def __init__(self, size: int = 200, count: int = 25):
-        self.size, self._count, self._times = size, count, []
+        self.size = size
+        self._count = count
+        self._times = []
         self._values = np.random.default_rng(0).standard_normal((size, size))
         self._transform()
 
@@ -170,7 +172,8 @@ def peak_memory() -> float:
 
 def called_alone(function: Callable, *arguments, timeout: float | None = None):
     """Call a function of a module of this folder in a process of its own, at most so long [s]."""
-    module, name = Path(function.__code__.co_filename).stem, function.__name__
+    module = Path(function.__code__.co_filename).stem
+    name = function.__name__
     program = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         f"import json, {module}; print(json.dumps({module}.{name}(*{arguments!r})))"
@@ -188,7 +191,8 @@ def warm_up(*solvers: str) -> None:
 
 def by_solver(cells: int, seed: int, scene: str, solver: str) -> tuple[float, float]:
     """Seconds that a solver takes to 3 MPa, and its maximum closure [um]."""
-    walls, numerics = joint_walls(cells, seed), jc.Numerics(solver=solver)
+    walls = joint_walls(cells, seed)
+    numerics = jc.Numerics(solver=solver)
     seconds, found = timed(lambda: close(walls, SCENES[scene], 3e6, numerics=numerics))
     return seconds, 1e6 * float(found.max_closure[0])
 

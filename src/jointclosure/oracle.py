@@ -16,7 +16,7 @@ _CHUNK = 500  # rows of the dense influence matrix that are computed at a time
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])  # the eight cells around a cell
 
 
-class Joint(NamedTuple):
+class PristineJoint(NamedTuple):
     """Walls (y, x) [m] before any loading, spacing [m], rock, effects and choices of a joint."""
 
     upper: np.ndarray
@@ -40,7 +40,7 @@ class State(NamedTuple):
     crushed: Any = False
 
 
-class Law(NamedTuple):
+class PairLaw(NamedTuple):
     """Contact law of a joint, from rocks, peaks, effects and choices.
 
     ``asperity``: E_a* of every pair (y, x) [Pa]; ``rock_modulus``: 1/(1/E_t* + 1/E_b*) of the
@@ -186,22 +186,22 @@ def slopes_of_forces(force, compliance, substrate):
     return slope
 
 
-def law_of(joint: Joint, state: State) -> Law:
+def law_of(joint: PristineJoint, state: State) -> PairLaw:
     """Compute the contact law of a joint at a state, whose peaks are used if they are current."""
     walls = state if joint.choices.peaks == "current" else joint
     ratio = joint.choices.peak_modulus_ratio if joint.effects.soft_peaks else 1.0
     asperity, rock_modulus = moduli(joint.rock, ratio, peaks(walls.upper), peaks(walls.lower))
     r = joint.choices.base_radius_in_cells * joint.spacing
     substrate = 3 / (4 * r * rock_modulus) if joint.effects.substrate else 0.0
-    return Law(asperity, rock_modulus, substrate, r)
+    return PairLaw(asperity, rock_modulus, substrate, r)
 
 
-def asperity_compliances(kappa, law: Law):
+def asperity_compliances(kappa, law: PairLaw):
     """Compute B (y, x) [m N^(-2/3)] from curvatures (y, x) [1/m]."""
     return np.cbrt(9 * kappa / (16 * law.asperity**2))
 
 
-def overlaps_of(joint: Joint, state: State, law: Law):
+def overlaps_of(joint: PristineJoint, state: State, law: PairLaw):
     """Return cells (n,) that overlap undeformed or carry force, flat, and delta_S of each [m]."""
     overlap = state.upper + state.lower - ((joint.upper + joint.lower).max() - state.closure)
     cells = np.flatnonzero((overlap > 0) | (state.force > 0))
@@ -213,7 +213,7 @@ def overlaps_of(joint: Joint, state: State, law: Law):
     return cells, overlap
 
 
-def pressures_over_limit(joint: Joint, state: State):
+def pressures_over_limit(joint: PristineJoint, state: State):
     """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall.
 
     If strength is bounded by the base, at least the root of third order of the mean pressure over
@@ -232,13 +232,13 @@ def pressures_over_limit(joint: Joint, state: State):
     return np.maximum(pressure * over, np.cbrt(1.5 * state.force / base * over))
 
 
-def _curvatures(joint: Joint, state: State):
+def _curvatures(joint: PristineJoint, state: State):
     """Compute the combined curvature of both walls (y, x) [1/m] at a state."""
     rule = joint.choices.largest_radius, joint.choices.concave
     return sum(curvature(z, joint.spacing, *rule) for z in (state.upper, state.lower))
 
 
-def judge(joint: Joint, state: State) -> Verdict:
+def judge(joint: PristineJoint, state: State) -> Verdict:
     """Recompute a state at rest only from its walls, forces and closure."""
     force, law = state.force, law_of(joint, state)
     total = math.fsum(force.ravel())
@@ -285,7 +285,7 @@ def raised(before, after, gouge):
     return rise / reach if reach > 0.0 else math.inf
 
 
-def _excess(joint: Joint, state: State) -> float:
+def _excess(joint: PristineJoint, state: State) -> float:
     """Return the largest excess over strength of a contact that can break."""
     if not joint.effects.breakage:
         return 0.0

@@ -51,7 +51,8 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     limit = 100.0 * within
     axes.axhspan(-limit, limit, color="0.9", lw=0.0, zorder=0)
     axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
-    variants, cycles = list(dict.fromkeys(shown.variant)), sorted(shown.cycle.unique())
+    variants = list(dict.fromkeys(shown.variant))
+    cycles = sorted(shown.cycle.unique())
     marks = dict(zip(variants, _MARKS, strict=False))
     for row in shown.itertuples():
         at = row.seconds * _OFFSET ** (cycles.index(row.cycle) - 0.5 * (len(cycles) - 1))
@@ -106,7 +107,8 @@ def effects_panel(table: pd.DataFrame) -> Figure:
         left = axes is panels[0]
         title = "adds (% of mean net closure)" if left else "costs (% of time)"
         axes.set_xlabel(title, **_letters())
-        low, high = 1.5 * min(ends), 1.5 * max(ends)
+        low = 1.5 * min(ends)
+        high = 1.5 * max(ends)
         scales["left" if left else "right"] = percent_ticks(
             axes.xaxis, LINEAR, low, high, narrow=True
         )

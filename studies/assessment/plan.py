@@ -7,10 +7,10 @@ every machine. Joints as the study closes them are not closed again: they are in
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from jointclosure.assessment.assess import CLOSURE, variants_of
+from jointclosure.assessment.assess import CLOSURE, assessed_variants
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.expected_cost import relative_cost
-from studies.assessment.section import Assessment
+from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case, cases_of, ensembles_of, seconds_by_paper
 from studies.frame.configuration import Configuration
 from studies.frame.points import settings_of
@@ -27,7 +27,7 @@ READ = (CLOSURE,)
 """Quantities that are read of the joints."""
 
 
-class Plan(NamedTuple):
+class AssessmentPlan(NamedTuple):
     """Joints of base cases that are closed by variants.
 
     Attributes
@@ -74,25 +74,26 @@ def study_seconds(study: Configuration) -> float:
 
 
 def _ladder_of(given: Conditions) -> list[str]:
-    return variants_of(given._replace(flow=False).checked())[1]
+    return assessed_variants(given._replace(flow=False).checked())[1]
 
 
 def _cost(conditions: Conditions) -> float:
     return relative_cost(conditions.effects, conditions.numerics)
 
 
-def planned(study: Configuration) -> Plan | None:
+def planned(study: Configuration) -> AssessmentPlan | None:
     """Return the joints that the report of a study closes; None where it is to close none.
 
     As many settings and effects are compared on two joints of every rock as the share allows, and
     then as many joints are closed as it allows. If it does not allow two joints of every rock, it
     is those of the first rocks.
     """
-    section = study.section_or_none(Assessment)
+    section = study.section_or_none(AssessmentSection)
     if section is None:
         return None
     of_rocks = {rock: base_case(study, rock).conditions for rock in study.rocks}
-    whole, seconds = study_seconds(study), seconds_by_paper(study)
+    whole = study_seconds(study)
+    seconds = seconds_by_paper(study)
     allowed = section.share * whole / seconds  # in joints by the paper's steps
     most = FEWEST if study.study.accuracy else min(section.joints, study.study.realizations)
     again = study.flow or study.effects.auto is not None
@@ -104,10 +105,12 @@ def planned(study: Configuration) -> Plan | None:
     scopes = list(_scopes(max(of_rocks.values(), key=lambda given: len(_ladder_of(given)))))
     for scope in scopes:
         if FEWEST * sum(costs(scope)) <= allowed:
-            rocks, joints = list(of_rocks), min(most, int(allowed / (sum(costs(scope)) or 1.0)))
+            rocks = list(of_rocks)
+            joints = min(most, int(allowed / (sum(costs(scope)) or 1.0)))
             break
     else:
-        scope, joints = scopes[-1], FEWEST
+        scope = scopes[-1]
+        joints = FEWEST
         of_each = costs(scope)
         fitting = [n for n in range(1, len(of_each)) if joints * sum(of_each[:n]) <= allowed]
         rocks = list(of_rocks)[: max(fitting, default=1)]
@@ -115,7 +118,7 @@ def planned(study: Configuration) -> Plan | None:
     closes = expected <= max(section.share * whole, LEAST_SECONDS)
     of_rock = {rock: scope.points(study, rock, joints, again) for rock in rocks if closes}
     points = {rock: points for rock, points in of_rock.items() if points}
-    return Plan(
+    return AssessmentPlan(
         scope.stated, scope.ladder, scope.omitted, joints, points, expected, whole, section.share
     )
 
@@ -130,7 +133,7 @@ class _Scope(NamedTuple):
 
     def variants(self, given: Conditions, again: bool) -> dict[str, Conditions]:
         """Return the variants of a rock that are closed, the stated one only if ``again``."""
-        stated, ladder, variants = variants_of(given._replace(flow=False).checked())
+        stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
         most = COSTLY * _cost(given) if not self.costly else float("inf")
         shown = (*self.ladder, *(name for name in variants if name not in ladder))
         return {
@@ -164,7 +167,7 @@ class _Scope(NamedTuple):
 
 def _scopes(given: Conditions) -> Iterator[_Scope]:
     """Generate what can be compared, from all to the stated setting and one finer than it."""
-    stated, ladder, variants = variants_of(given._replace(flow=False).checked())
+    stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
     effects = [name for name in variants if name not in ladder]
     costly = [name for name in effects if _cost(variants[name]) > COSTLY * _cost(given)]
     finer = ladder[ladder.index(stated) + 1 :]

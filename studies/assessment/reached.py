@@ -21,7 +21,7 @@ from jointclosure.joint.status import (
 )
 from jointclosure.parameters import Effects
 from jointclosure.statistics.standard_errors import Estimate, mean_of, percent
-from studies.assessment.plan import Plan
+from studies.assessment.plan import AssessmentPlan
 from studies.frame.settings import BASE
 from studies.frame.tables import in_words, succeeded
 from studies.paper.closures import estimate_columns
@@ -44,7 +44,10 @@ class _Closed(NamedTuple):
 
 
 def assessed_table(
-    study: xr.Dataset, joints: Mapping[str, xr.Dataset], plan: Plan, effects: Mapping[str, Effects]
+    study: xr.Dataset,
+    joints: Mapping[str, xr.Dataset],
+    plan: AssessmentPlan,
+    effects: Mapping[str, Effects],
 ) -> pd.DataFrame:
     """Tabulate differences of variants of the base cases, and what their joints take.
 
@@ -54,7 +57,7 @@ def assessed_table(
         Joints as the study closed them.
     joints : mapping
         Joints of `plan`'s points by rock, along ``joint``.
-    plan : Plan
+    plan : AssessmentPlan
         What was closed.
     effects : mapping
         Effects that act in each rock, among which a study may have chosen.
@@ -91,7 +94,9 @@ def assessed_table(
     return _with_states(table, states, list(effects))
 
 
-def _closed(study: xr.Dataset, rock: str, joints: xr.Dataset, plan: Plan) -> dict[str, _Closed]:
+def _closed(
+    study: xr.Dataset, rock: str, joints: xr.Dataset, plan: AssessmentPlan
+) -> dict[str, _Closed]:
     """Return the joints of a rock by variant, as far as closed; the settings by their accuracy."""
     found = {}
     for variant in dict.fromkeys(joints.variant.values.tolist()):
@@ -118,7 +123,7 @@ def _of(joints: xr.Dataset) -> _Closed:
 
 
 def _rows(
-    rock: str, variant: str, of_rocks: Sequence[dict[str, _Closed]], plan: Plan
+    rock: str, variant: str, of_rocks: Sequence[dict[str, _Closed]], plan: AssessmentPlan
 ) -> Iterator[dict]:
     """Generate the rows of a variant of some rocks, one for each cycle."""
     setting = variant in plan.ladder
@@ -136,7 +141,8 @@ def _rows(
     for place in range(pairs[0][0].closures.shape[1]):
         changes = []
         for own, best, _ in pairs:
-            one, two = own.closures[:, place], best.closures[:, place]
+            one = own.closures[:, place]
+            two = best.closures[:, place]
             known = np.isfinite(one) & np.isfinite(two)
             changes.append((one - two)[known] / two[known].mean() if known.any() else one[known])
         samples = np.concatenate(changes)
@@ -160,7 +166,8 @@ def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
     """Return the relative change of a mean (n,) from that of other joints (m,); 0 from itself."""
     if over is under:
         return Estimate(0.0, 0.0)
-    one, two = _mean(over), _mean(under)
+    one = _mean(over)
+    two = _mean(under)
     ratio = one.value / two.value
     errors = (estimate.standard_error / estimate.value for estimate in (one, two))
     return Estimate(ratio - 1.0, ratio * math.hypot(*errors))
@@ -173,7 +180,7 @@ def _together(estimates: Sequence[Estimate]) -> Estimate:
 
 
 def _states(
-    acting: Effects, plan: Plan, chosen: Mapping[str, dict]
+    acting: Effects, plan: AssessmentPlan, chosen: Mapping[str, dict]
 ) -> Iterator[tuple[str, str, str]]:
     """Generate variant, state and reason of effects of a rock that are left out or not tested."""
     for name, acts in acting._asdict().items():
@@ -231,7 +238,7 @@ def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def cost_table(
-    datasets: Sequence[xr.Dataset], joints: Mapping[str, xr.Dataset], plan: Plan
+    datasets: Sequence[xr.Dataset], joints: Mapping[str, xr.Dataset], plan: AssessmentPlan
 ) -> pd.DataFrame:
     """Tabulate in one row how many joints were closed, and what they and the study took [s]."""
     whole = float(sum(part.timing_simulation.sum() for part in datasets))

@@ -6,7 +6,7 @@ from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Jrc, Positive, Several, Share, entry
 
 
-class Assessment(StudySection):
+class AssessmentSection(StudySection):
     """Assessment of a study's rocks by variants of their base case: in the report, whose share of
     the time is limited, and by `make assess`, which closes all joints; null: none in the report.
     """

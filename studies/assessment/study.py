@@ -19,17 +19,18 @@ from jointclosure.assessment.assess import (
     HARD_CASES,
     JUDGED,
     READ,
-    variants_of,
+    assessed_variants,
     worst_first,
 )
 from jointclosure.assessment.assess import Assessment as Assessed
+from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
 from jointclosure.storage.files import read_csv
 from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
-from studies.assessment.section import Assessment
+from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.panels import point_key
@@ -78,7 +79,8 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
 
     Errors are signed, against the finest setting, with their 95 % intervals.
     """
-    assessment, percent = tables["assessment"], 100.0 * settings["within"]
+    assessment = tables["assessment"]
+    percent = 100.0 * settings["within"]
     numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
     drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
     alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
@@ -131,7 +133,7 @@ def _scale_price(axes: Axes, drawn: pd.DataFrame, within: float) -> None:
 def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw the change of the mean closures without each group of effects."""
     assessment = tables["assessment"]
-    without = assessment[assessment.variant.str.startswith("without ")]
+    without = assessment[lacks_effects(assessment.variant)]
     shown = without[without.quantity.isin(JUDGED)]
     for axes, part in _panels(without, settings["titles"], (3.0, 2.2)):
         scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
@@ -153,7 +155,8 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
 @styled
 def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones."""
-    hardness, within = tables["hardness"], settings["within"]
+    hardness = tables["hardness"]
+    within = settings["within"]
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
     rocks = [settings["titles"][name] for name in dict.fromkeys(hardness.rock)]
@@ -191,14 +194,15 @@ _VALUES = ["value", "low", "high"]
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each condition and variant; copies are closed by the variant as stated."""
-    section, jobs = study.section(Assessment), {}
+    section = study.section(AssessmentSection)
+    jobs = {}
     for number, case in enumerate(_conditions(study, section)):
         settings = settings_of(study, case)
         count = section.joints
         if settings.walls:  # a scan has room for a number of joints
             count = min(count, study.study.realizations)
         settings = settings._replace(realizations=count)
-        stated, _, variants = variants_of(settings.conditions)
+        stated, _, variants = assessed_variants(settings.conditions)
         options = {"unusual_values": study.study.unusual_values == "allow"}
         for name, conditions in variants.items():
             varied = settings.under(numerics=conditions.numerics, effects=conditions.effects)
@@ -217,10 +221,10 @@ def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 def ladders_of(study: Configuration) -> dict[str, tuple]:
     """Return the setting as stated, and those of the numerics by their accuracy, of each rock."""
-    return {name: variants_of(base_case(study, name).conditions)[:2] for name in study.rocks}
+    return {name: assessed_variants(base_case(study, name).conditions)[:2] for name in study.rocks}
 
 
-def _conditions(configuration: Configuration, section: Assessment) -> Iterator[Case]:
+def _conditions(configuration: Configuration, section: AssessmentSection) -> Iterator[Case]:
     """Generate the base case of each rock at each roughness and stress."""
     for name, rock in configuration.rocks.items():
         base = base_case(configuration, name)
@@ -307,6 +311,6 @@ EXPERIMENT = Experiment(
     settings=lambda study: {
         "ladders": ladders_of(study),
         "titles": study.titles,
-        "within": study.section(Assessment).within,
+        "within": study.section(AssessmentSection).within,
     },
 )

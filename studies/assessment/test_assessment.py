@@ -65,7 +65,7 @@ def test_errors_are_drawn_with_their_sign_and_their_95_percent_intervals(tables)
     drawn = []
     for container in (one for axes in figure.axes for one in axes.containers):
         point, _, (bar,) = container.lines
-        (low, high) = bar.get_segments()[0][:, 1]
+        low, high = bar.get_segments()[0][:, 1]
         drawn.append((point.get_ydata()[0], low, high))
     np.testing.assert_allclose(sorted(drawn), expected)
     assert min(values[0] for values in drawn) < 0.0

@@ -12,7 +12,7 @@ import jointclosure as jc
 from jointclosure.assessment.assess import CLOSURE
 from jointclosure.cli.report import render
 from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
-from studies.assessment.plan import Plan
+from studies.assessment.plan import AssessmentPlan
 from studies.assessment.reached import (
     ALL_ROCKS,
     LEFT_OUT,
@@ -31,7 +31,9 @@ ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "t
 CHANGED = {"tolerance 0.1": 0.9, "tolerance 0.02": 0.8, "without interaction": 1.1}
 """Closure of each variant over that of the study."""
 TIMES = {"tolerance 0.1": 9.0, "tolerance 0.02": 11.0, "without interaction": 0.5}
-PLAN = Plan(LADDER[0], LADDER, ("tolerance 0.004", "without gouge"), 2, {}, 40.0, 500.0, 0.1)
+PLAN = AssessmentPlan(
+    LADDER[0], LADDER, ("tolerance 0.004", "without gouge"), 2, {}, 40.0, 500.0, 0.1
+)
 EFFECTS = dict.fromkeys(ROCKS, jc.Effects())
 CLOSURES = {"slate": 1e-4 * np.array([[1.0, 0.2], [1.2, 0.3], [9.0, 9.0]]),
             "dolerite": 2e-4 * np.array([[1.0, 0.2], [1.4, 0.3], [9.0, 9.0]])}  # fmt: skip
@@ -258,7 +260,8 @@ def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
     table.to_csv(tmp_path / "table.csv", index=False)
     again = pd.read_csv(tmp_path / "table.csv")
     for draw in (effects_panel, lambda one: accuracy_panel(one, 0.05)):
-        drawn, same = draw(table).axes[0], draw(again).axes[0]
+        drawn = draw(table).axes[0]
+        same = draw(again).axes[0]
         assert len(drawn.containers) == len(same.containers)
 
 

@@ -72,13 +72,15 @@ def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     cycles = sorted(set(first.cycle.values.tolist()) & set(second.cycle.values.tolist()))
     rows = []
     for name, cycle, target in itertools.product(shared, cycles, TARGETS):
-        one, two = first.sel(case=name), second.sel(case=name)
+        one = first.sel(case=name)
+        two = second.sel(case=name)
         a, b = (1e3 * part[target].sel(cycle=cycle).values for part in (one, two))
         good = [succeeded(part).values for part in (one, two)]
         paired = one.sizes == two.sizes and np.array_equal(one.seed.values, two.seed.values)
         if paired:
             good = [good[0] & good[1]] * 2
-        a, b = a[good[0]], b[good[1]]
+        a = a[good[0]]
+        b = b[good[1]]
         alone = np.hypot(_standard_error(a), _standard_error(b))
         error = _standard_error(b - a) if paired else alone
         base, other = (values.mean() if values.size else np.nan for values in (a, b))

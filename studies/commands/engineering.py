@@ -98,7 +98,8 @@ def _stiffness(closure: xr.DataArray, end: xr.DataArray) -> xr.DataArray:
     stress = closure.stress.values
 
     def slopes(curve: np.ndarray, end: float) -> np.ndarray:
-        known, found = np.isfinite(curve) & (stress <= end), np.full(stress.size, np.nan)
+        known = np.isfinite(curve) & (stress <= end)
+        found = np.full(stress.size, np.nan)
         if known.sum() > 2:
             found[known] = 1e-9 * rising_slopes(stress[known], curve[known], stress[known])
         return found

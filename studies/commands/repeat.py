@@ -32,12 +32,15 @@ def declare(command: argparse.ArgumentParser) -> None:
     other = command.add_mutually_exclusive_group()
     for name, what in (("pool", "the pool of common surfaces"), ("finest", "the finest numerics")):
         action = other.add_argument(f"--{name}", action="store_const", const=name, default="cases")
-        action.dest, action.help = "ensemble", f"a realisation of {what}"
+        action.dest = "ensemble"
+        action.help = f"a realisation of {what}"
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Repeat a realisation; return 1 if it differs from the stored one."""
-    results, label, number = arguments.results, arguments.case, arguments.realization
+    results = arguments.results
+    label = arguments.case
+    number = arguments.realization
     ensemble = arguments.ensemble
     stated = json.loads(read_text(existing(results / "tables/configuration.json")))
     configurations = ensembles_of(resolved(stated))

@@ -54,7 +54,8 @@ def test_a_realisation_that_a_study_does_not_have_is_not_closed(
     accuracy, words, count, place, tmp_path, capsys
 ):
     stated = merged_study(Path("config/default.yaml"), Path("config/smoke.yaml"))
-    stated["study"]["accuracy"], stated["statistics"]["control_variates"] = accuracy, None
+    stated["study"]["accuracy"] = accuracy
+    stated["statistics"]["control_variates"] = None
     for folder in ("tables", "accuracy"):
         (tmp_path / folder).mkdir()
     keys = configuration_text(configured(stated).stated)

@@ -79,7 +79,8 @@ def pool_of(whole: Configuration) -> Configuration:
 
 def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
     """Return the ensembles of a study by folder of their files: cases, finest numerics, pool."""
-    study, ensembles = whole.study, {"cases": whole}
+    study = whole.study
+    ensembles = {"cases": whole}
     if study.accuracy:
         count = min(FEWEST, study.realizations)
         few = {"realizations": count, "realizations_per_job": None, "pool": None, "accuracy": None}

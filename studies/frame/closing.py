@@ -58,7 +58,8 @@ def close_joints(
         Quantities [SI] over ``joint``, with ``realization``, the coordinates of the point and
         ``seed``. A failed joint has a status of 16 or more, and NaN.
     """
-    rows, first = list[Row](), point.settings.first_realization
+    rows = list[Row]()
+    first = point.settings.first_realization
     seeds = [f"{seed:032x}" for seed in seeds_of(point.settings)]
     reading = reading_of(point.settings, names)
     for seed, pair in zip(seeds, walls, strict=True):

@@ -47,7 +47,7 @@ class Configuration(keys.Section):
         "Rocks by name; a study's own file may add some.", min_length=1
     )
     grid: keys.Grid
-    surface: keys.Surface
+    surface: keys.SurfaceSynthesis
     seating_stress: Annotated[float, keys.OR_NULL] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
         "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",
@@ -79,7 +79,9 @@ class Configuration(keys.Section):
         rocks = {
             name: self.rocks[name].titled(name).with_effects(usual) for name in self.study.rocks
         }
-        output, numerics, seating = self.output, self.numerics, self.seating_stress
+        output = self.output
+        numerics = self.numerics
+        seating = self.seating_stress
         maxima = [rock.max_normal_stress for rock in rocks.values()]
         if output.largest_stress is None:
             output = output._replace(largest_stress=max(maxima))
@@ -181,8 +183,12 @@ def resolved(stated: dict) -> Configuration:
 
 def contradictions(whole: Configuration) -> Iterator[str]:
     """Generate contradictions between keys that are each valid, one line each."""
-    stated, study, surface, spacing = whole.stated, whole.study, whole.surface, whole.grid.spacing
-    numerics, surfaces = whole.numerics, whole.statistics.control_variates
+    stated = whole.stated
+    study = whole.study
+    surface = whole.surface
+    spacing = whole.grid.spacing
+    numerics = whole.numerics
+    surfaces = whole.statistics.control_variates
     closed = max(study.realizations, study.pool or 0, study.accuracy.most if study.accuracy else 0)
     if surfaces is not None and surfaces <= closed:
         yield (
@@ -244,7 +250,8 @@ def contradictions(whole: Configuration) -> Iterator[str]:
 
 def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:
     """Generate contradictions of a rock with the study, one line each."""
-    seating, end = whole.seating_stress, whole.output.largest_stress
+    seating = whole.seating_stress
+    end = whole.output.largest_stress
     stress = f"{where}.max_normal_stress_MPa = {in_unit(rock.max_normal_stress, 'MPa'):g}"
     if seating > LARGEST_SEATING * rock.max_normal_stress:
         least = f"must be at most {LARGEST_SEATING:g} of {stress}"

@@ -156,7 +156,9 @@ def write_ensemble(
         If a file is not of this study, or if the cases do not have the same realisations.
     """
     places = {case.label: place for place, case in enumerate(cases)}
-    scenes, labels, realizations = [""] * len(cases), {}, {}
+    scenes = [""] * len(cases)
+    labels = {}
+    realizations = {}
     for file in files:
         with reading_netcdf(file) as joints:
             labels[file] = case_in(file, joints, keys)
@@ -173,7 +175,8 @@ def write_ensemble(
     def regions() -> Iterator[tuple[dict, xr.Dataset]]:
         for file in files:
             with reading_checked(file, keys[labels[file]]) as joints:
-                used, rows = int((joints.status < FAILURE).sum()), joints.sizes["joint"]
+                used = int((joints.status < FAILURE).sum())
+                rows = joints.sizes["joint"]
                 report(f"{Path(file).stem}: {used} of {rows} realisations are used")
                 for start in range(0, rows, ROWS):
                     part = of_case(joints.isel(joint=slice(start, start + ROWS)).load())
@@ -200,7 +203,8 @@ def read_joints(files: Iterable[str], keys: Mapping[str, str], cases: Sequence[C
     Arguments and errors are as for `write_ensemble`.
     """
     blocks: dict[str, list[xr.Dataset]] = {case.label: [] for case in cases}
-    labels, realizations = {}, {}
+    labels = {}
+    realizations = {}
     for file in files:
         joints = read_netcdf(file, without=CURVES)
         labels[file] = case_in(file, joints, keys)

@@ -87,7 +87,9 @@ def keys_of(fields: Any, **units: str) -> Any:
     """Return a section with a key for each field of choices or numerics, of some units."""
     keys: dict[str, Any] = {}
     for name, text in documented(fields).items():
-        kind, unit, bounds = get_type_hints(fields)[name], units.get(name), {}
+        kind = get_type_hints(fields)[name]
+        unit = units.get(name)
+        bounds = {}
         if {kind, *get_args(kind)} & {float, int}:
             interval, *_ = getattr(fields.__annotations__[name], "__metadata__", ["(0, inf)"])
             bounds = bounds_of(interval)
@@ -181,7 +183,7 @@ class Grid(Section):
         return self.cells_y, self.cells_x
 
 
-class Surface(Section):
+class SurfaceSynthesis(Section):
     """How walls are made from a JRC."""
 
     hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)
@@ -367,13 +369,15 @@ def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[st
     for problem in found:
         if problem["type"] == "too_short" and problem["loc"] in lists:
             continue  # wrong values are not counted
-        path, missing = _path(problem["loc"], settings), problem["type"] == "missing"
+        path = _path(problem["loc"], settings)
+        missing = problem["type"] == "missing"
         # one line for all missing keys of a section
         by_key.setdefault((path[:-1] if missing else path, missing), []).append(problem)
     for (path, missing), errors in by_key.items():
         # a value of a list is named by the list's key
         where = ".".join(part for part in path if isinstance(part, str))
-        first, named = errors[0], where or "the configuration"
+        first = errors[0]
+        named = where or "the configuration"
         if missing:
             yield f"{named}: lacks {', '.join(e['loc'][-1] for e in errors)}"
         elif first["type"] == "value_error" and not path:
@@ -392,7 +396,8 @@ def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[st
 
 def _path(location: tuple, settings) -> tuple:
     """Return the existing keys of a pydantic location, and the last one, without names of types."""
-    path, value = [], settings
+    path = []
+    value = settings
     for number, part in enumerate(location):
         within = isinstance(value, dict) and part in value
         within = within or (isinstance(value, list) and isinstance(part, int) and part < len(value))
@@ -406,7 +411,9 @@ def _path(location: tuple, settings) -> tuple:
 
 def _allowed(error: dict) -> str:
     """Say what is allowed, more clearly than pydantic where it can be."""
-    kind, about, value = error["type"], error.get("ctx", {}), error["input"]
+    kind = error["type"]
+    about = error.get("ctx", {})
+    value = error["input"]
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", about["expected"])
         return f"must be one of {', '.join(words)}{did_you_mean(value, words)}"

@@ -74,7 +74,7 @@ class Row(NamedTuple):
     axes: Mapping[str, Any] = {}
 
 
-class Column(NamedTuple):
+class PanelColumn(NamedTuple):
     """Columns of tables: coordinate ``along`` a column of panels, and what has ``lines`` by value.
 
     Other columns have the values ``where``. 0 and infinity are at the ends of a logarithmic
@@ -105,7 +105,7 @@ Names = Mapping[str, Mapping[Any, str]]
 @styled
 def panels(
     rows: Sequence[Row],
-    columns: Sequence[Column],
+    columns: Sequence[PanelColumn],
     names: Names,
     *,
     styles: str = "",
@@ -117,7 +117,8 @@ def panels(
 
     ``styles`` is a column whose values have line styles, ``reference`` the value of a grey line.
     """
-    shape, panel = (len(rows), len(columns)), (max(3.0, 9.0 / len(columns)), 2.1)
+    shape = (len(rows), len(columns))
+    panel = (max(3.0, 9.0 / len(columns)), 2.1)
     figure, grid = panel_grid(*shape, panel, (0.0, 0.8), sharex="col", sharey=sharey)
     whole = pd.concat([row.table for row in rows], ignore_index=True)
     dashes = _dashes(whole[styles], names) if styles else {}
@@ -199,16 +200,18 @@ def _places(values: pd.Series, scale: str) -> dict[float, float]:
 
 
 def _draw(
-    axes: Axes, column: Column, row: Row, lines: Sequence, places: Mapping, bars: float
+    axes: Axes, column: PanelColumn, row: Row, lines: Sequence, places: Mapping, bars: float
 ) -> None:
     """Draw the lines of a panel, and its level with its error as a band."""
     table = column.of(row.table)
     for where, look in lines:
         line = _having(table, where).sort_values(column.along)
-        at, error = line[column.along].map(places), bars * line[row.error]
+        at = line[column.along].map(places)
+        error = bars * line[row.error]
         axes.errorbar(at, line[row.value], error, lw=1.0, capsize=1.5, **look)
     if column.level:
         level = _having(row.table, {**column.where, **column.level}).iloc[0]
-        value, error = level[row.value], bars * level[row.error]
+        value = level[row.value]
+        error = bars * level[row.error]
         axes.axhspan(value - error, value + error, color="0.9", lw=0.0, zorder=0)
         axes.axhline(value, color="0.6", lw=1.2, zorder=0)

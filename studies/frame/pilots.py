@@ -50,7 +50,8 @@ def choose_effects(
     Joints closed with these effects are returned as by `close_joints`, with attributes ``case``
     and ``chosen`` (JSON).
     """
-    (point, cases, joints), settings = choice, choice.point.settings
+    point, cases, joints = choice
+    settings = choice.point.settings
     label = settings.case.label
     report(f"{label}, for {cases} cases of {joints} joints together:")
     pilot = Pilot(list(islice(walls, MOST_PAIRS)), settings.conditions.checked(), joints)
@@ -69,7 +70,8 @@ def tried(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
     """Return a few of the points of each rock, grid and model, and the joints of all these."""
     alike: dict[tuple, list[Point]] = {}
     for point in points:
-        settings, model = point.settings, point.settings.conditions
+        settings = point.settings
+        model = point.settings.conditions
         kind = settings.case.rock, model.effects, model.numerics, settings.grid, *point.options
         alike.setdefault(kind, []).append(point)
     return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
@@ -81,7 +83,8 @@ def estimate_time(groups: Iterable[tuple[Sequence[Point], int]], report: Report)
     for points, joints in groups:
         first = [one._replace(settings=one.settings._replace(realizations=1)) for one in points]
         times = close_points(first, ()).timing_simulation.to_series()
-        rock, grid = points[0].settings.case.rock, points[0].settings.grid
+        rock = points[0].settings.case.rock
+        grid = points[0].settings.grid
         row = {"rock": rock, "cells": grid.cells_x * grid.cells_y, "joints": joints}
         rows.append(row | {"seconds": joints * times.mean(), "error": joints * times.sem()})
         report(f"{rock}, {row['cells']} cells: about {rows[-1]['seconds']:.0f} s")
@@ -90,7 +93,8 @@ def estimate_time(groups: Iterable[tuple[Sequence[Point], int]], report: Report)
 
 def described_time(estimate: pd.DataFrame) -> str:
     """Describe a table of `estimate_time` in a sentence."""
-    minutes, error = estimate.seconds.sum() / 60, math.hypot(*estimate.error) / 60
+    minutes = estimate.seconds.sum() / 60
+    error = math.hypot(*estimate.error) / 60
     known = f" ± {error:.0f}" if math.isfinite(error) else ""
     return (
         f"{estimate.joints.sum()} joints will take about {minutes:.2g}{known} minutes on one core"

@@ -192,7 +192,9 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
 
     def problems(self, where: str) -> Iterator[str]:
         """Generate contradictions of a rock with itself, one line each."""
-        stress, walls, others = self.max_normal_stress, self.walls, self.other_levels.jrc
+        stress = self.max_normal_stress
+        walls = self.walls
+        others = self.other_levels.jrc
         stiffness = min(self.levels.get("youngs_modulus", (self.intact.youngs_modulus,)))
         if stress >= stiffness:
             yield (
@@ -214,7 +216,8 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
         if walls:
             yield from _wall_problems(walls, f"{where}.walls")
         for parameter in self.levels:
-            levels, base = getattr(self.other_levels, parameter), getattr(self, parameter)
+            levels = getattr(self.other_levels, parameter)
+            base = getattr(self, parameter)
             shown = [f"{in_unit(level, PROPERTIES[parameter].unit):g}" for level in (*levels, base)]
             stated = f"{where}.levels.{key_of(parameter)} = [{', '.join(shown[:-1])}]"
             ascends = all(later > earlier for earlier, later in itertools.pairwise(levels))
@@ -227,7 +230,8 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
 
 def _wall_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
     """Generate contradictions between the keys of scanned walls, one line each."""
-    files, inverted = wall_files(walls), f"{where}.inverted = {list(walls.inverted)!r}"
+    files = wall_files(walls)
+    inverted = f"{where}.inverted = {list(walls.inverted)!r}"
     if not files:
         words = f"upper = {walls.upper!r}, lower = {walls.lower!r}"
         yield f"{where}: {words}: at least one must be a file"

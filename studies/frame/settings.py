@@ -138,7 +138,8 @@ def surface_settings(settings: ClosureSettings) -> SurfaceSettings:
 
 def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
     """Return the seeds of the walls of a block."""
-    first, last = settings.first_realization, settings.first_realization + settings.realizations
+    first = settings.first_realization
+    last = settings.first_realization + settings.realizations
     named = settings.seeds_named_by
     return [seed_of(settings.root_seed, *named, number) for number in range(first, last)]
 

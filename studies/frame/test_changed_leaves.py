@@ -59,7 +59,8 @@ def read(keys, file):
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
 def test_a_changed_leaf_is_read_or_refused(path, tmp_path):
-    keys, chance = read_plain(path), random.Random(path.stem)
+    keys = read_plain(path)
+    chance = random.Random(path.stem)
     every = list(leaves(keys))
     for leaf in chance.sample(every, len(every))[:MOST]:
         value = chance.choice(BAD)

@@ -80,7 +80,8 @@ def test_large_joints_are_split_into_more_jobs_by_their_expected_time(side):
 
 def test_blocks_of_an_accuracy_are_added_and_none_changes():
     study = study_of({"study": {"accuracy": {"within": 0.1}}})
-    first, more = blocks_of(study, 20), blocks_of(study, 50)
+    first = blocks_of(study, 20)
+    more = blocks_of(study, 50)
     assert more[: len(first)] == first
     assert list(itertools.chain(*more)) == list(range(50))
 
@@ -104,7 +105,8 @@ def test_cases_with_equal_settings_of_surfaces_share_them():
 
 
 def test_walls_come_bit_by_bit_out_of_the_files_of_their_blocks(tmp_path):
-    pairs, files = [], []
+    pairs = []
+    files = []
     for block in (range(3), range(3, 5)):
         settings = surface_settings(point_of("slate-jrc-low", block).settings)
         pairs += walls_of(settings)
@@ -229,11 +231,14 @@ def test_a_file_that_is_not_of_the_study_is_named_and_nothing_is_joined(
 ):
     files, keys, cases = split
     files = [shutil.copy(file, tmp_path) for file in files]
-    wrong, error, message = files[4], ForeignFileError, r"is not of this study .*: delete it"
+    wrong = files[4]
+    error = ForeignFileError
+    message = r"is not of this study .*: delete it"
     if kind == "damaged":
         with open(wrong, "r+b") as file:
             file.truncate(2000)
-        error, message = DamagedFileError, ""
+        error = DamagedFileError
+        message = ""
     elif kind == "foreign":
         other = read_netcdf(wrong).assign_attrs(
             key=joints_key(point_of("slate-base", range(3)), "")
@@ -246,7 +251,8 @@ def test_a_file_that_is_not_of_the_study_is_named_and_nothing_is_joined(
         message = f"has realisation 0 of {cases[0].label}, as {files[0]} has: delete both"
     else:
         files.remove(wrong)
-        wrong, message = cases[1].label, "no file of joints has its realisation 3: delete its files"
+        wrong = cases[1].label
+        message = "no file of joints has its realisation 3: delete its files"
     with pytest.raises(error, match=f"{wrong}: .*{message}") as raised:
         READERS[reader](tmp_path, files, keys, cases)
     assert "\n" not in str(raised.value)

@@ -51,7 +51,8 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
     assert study.numerics == jc.Numerics(curve_points=study.output.stress_points - 1)
     assert study.choices == jc.Choices(strength_bound="none")
     assert study.rocks["slate"].effects == jc.Effects()
-    surface, of_fit = dict(study.surface), _defaults(jc.fit)
+    surface = dict(study.surface)
+    of_fit = _defaults(jc.fit)
     assert surface.items() <= _defaults(jc.wall_pair).items()
     assert of_fit["roll_off"] is None  # natural walls have waves of all lengths
     shared = (of_fit.keys() & surface.keys()) - {"roll_off"}
@@ -99,7 +100,8 @@ def test_a_field_of_rock_with_its_metadata_is_a_property_everywhere(tmp_path):
     ignored = shutil.ignore_patterns("__*__", "compiled")
     copy = shutil.copytree(PACKAGE, tmp_path / "jointclosure", ignore=ignored)
     file = copy / "parameters/__init__.py"
-    text, end = file.read_text(encoding="utf-8"), "\n\n\nOF_ROCK = "
+    text = file.read_text(encoding="utf-8")
+    end = "\n\n\nOF_ROCK = "
     assert end in text
     field = 'Annotated[float, Property("grain size", "mm", "d", usual=(1e-6, 0.05))] = 1e-3'
     file.write_text(text.replace(end, f"\n    grain_size: {field}{end}"), encoding="utf-8")

@@ -87,7 +87,8 @@ def test_heights_that_point_into_the_rock_are_turned(scan):
 
 
 def test_walls_of_a_later_block_are_those_of_the_whole(scan):
-    walls, study = prepared({"lower": scan}), study_of(with_walls())
+    walls = prepared({"lower": scan})
+    study = study_of(with_walls())
     room = Cutter(walls, (20, 24), 5).room()
     assert room["windows_side_by_side"] == 4
     stored = xr.Dataset(attrs={name: np.int64(count) for name, count in room.items()})
@@ -130,9 +131,11 @@ def test_walls_that_lie_on_each_other_do_so_once_their_rims_are_cut(degrees, sca
 def test_walls_whose_cells_do_not_lie_on_each_other_are_refused(damage, scan):
     x = np.indices(scan.heights.shape)[1]
     if damage == "blocks":
-        upper, lower = np.kron(scan.heights[::2, ::2], np.ones((2, 2))), scan.heights
+        upper = np.kron(scan.heights[::2, ::2], np.ones((2, 2)))
+        lower = scan.heights
     else:
-        upper, lower = scan.heights[:-2, 2:], scan.heights + 0.3 * SPACING * x
+        upper = scan.heights[:-2, 2:]
+        lower = scan.heights + 0.3 * SPACING * x
     scans = {"upper": scan._replace(heights=upper), "lower": scan._replace(heights=lower)}
     with pytest.raises(jc.InputError, match="bring_together: true"):
         prepared(scans, upper="a.npz")
@@ -156,7 +159,8 @@ def test_warnings_of_scans_are_stored_with_the_walls_and_shown(together, tmp_pat
         np.savez(file, heights=smoothed)
     about = {"units": "m", "spacing": SPACING, "bring_together": together}
     walls = study_of(with_walls()).rocks["slate"].walls._replace(**files, **about)
-    grid, shown = study_of({"grid": {"cells_x": 16, "cells_y": 16}}).grid, []
+    grid = study_of({"grid": {"cells_x": 16, "cells_y": 16}}).grid
+    shown = []
     found = prepare_walls(
         walls, files, grid, RELATION, True, 2, log=lambda line: None, show=shown.append
     )
@@ -233,7 +237,8 @@ def test_two_scans_are_cut_at_the_same_place(wall):
     other[0, 0] = np.nan
     whole = cutter({"upper": wall, "lower": other}, "")
     assert [0, 0] not in whole.windows.tolist()
-    joint, (y, x) = whole.joint(3, seed=1), whole.origin("measured", 3)
+    joint = whole.joint(3, seed=1)
+    y, x = whole.origin("measured", 3)
     for side, scan in (("upper", wall), ("lower", other)):
         np.testing.assert_array_equal(joint[side], detrended(scan[y : y + 16, x : x + 20]))
 

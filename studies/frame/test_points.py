@@ -65,7 +65,8 @@ def test_a_table_of_joints_is_the_same_read_from_a_file_with_units_and_titles(cl
     assert stored.hysteresis.attrs["long_name"] == QUANTITIES["hysteresis"].title
     units = {name: stored[name].attrs.get("units") for name in ("max_closure", "hysteresis")}
     assert units == {"max_closure": "m", "hysteresis": "1"}
-    before, after = as_table([closed]), as_table([stored])
+    before = as_table([closed])
+    after = as_table([stored])
     pd.testing.assert_frame_equal(after[before.columns], before, check_dtype=False)
 
 

@@ -53,7 +53,8 @@ def chosen_to(tolerance, **changes):
 def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_strength():
     pilot, points = chosen_to(0.02)
     assert len(points) > 5
-    choice, label = json.loads(pilot.attrs["chosen"]), pilot.attrs["case"]
+    choice = json.loads(pilot.attrs["chosen"])
+    label = pilot.attrs["case"]
     assert jc.Effects(**choice["effects"]) == jc.Effects()
     conditions = {label: point.settings.conditions for label, point in points.items()}
     ratios = {
@@ -91,7 +92,8 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
     under, known = under_chosen(point, pilot)
     assert (under.settings.conditions.effects == jc.Effects()) is (tolerance < 0.5)
     plain = close_joints(under, walls, NAMES)
-    closed, close = [], closing.close_joint
+    closed = []
+    close = closing.close_joint
     monkeypatch.setattr(closing, "close_joint", lambda *given: closed.append(1) or close(*given))
     taken = close_joints(under, walls, NAMES, closed=known)
     assert len(closed) == 4 - pilot.sizes["joint"] < 4

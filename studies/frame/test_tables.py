@@ -12,7 +12,7 @@ from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.commands import compare
 from studies.commands.engineering import band_table
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from tests.joints import DOLERITE, ELASTIC, SPACING
 from tests.studied import study_of
 from tests.world import world
@@ -35,7 +35,8 @@ def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
     assert row.samples.item() == 4
     at = {"cycle": 1, "branch": "loading", "stress": 1e6}
     good = ensemble.isel(realization=[0, 1, 2, 4]).sel(at)
-    net, aperture = good.closure - good.bulk_indentation, good.mean_aperture
+    net = good.closure - good.bulk_indentation
+    aperture = good.mean_aperture
     expected = {"closure_gross": good.closure, "closure_net": net, "mean_aperture": aperture}
     for name, values in expected.items():
         assert row[f"{name}_mm_mean"].item() == pytest.approx(1e3 * values.values.mean())
@@ -49,7 +50,8 @@ def test_stiffness_is_that_of_single_joints_and_its_mean_that_of_the_mean_curve(
     walls = [jc.wall_pair(8.0, (16, 16), SPACING, seed, roll_off=None) for seed in range(2)]
     finely = {"numerics": jc.Numerics(curve_points=60)}
     joints = jc.simulate_ensemble(walls, stress_points=31, workers=1, **rock, **finely)
-    table, name = band_table(joints), "normal_stiffness_net_MPa_per_mm"
+    table = band_table(joints)
+    name = "normal_stiffness_net_MPa_per_mm"
     single = [jc.simulate(*pair, **rock, **finely) for pair in walls]
     one, other = (stress_table(joint, joints.stress.values)[name].to_numpy() for joint in single)
     inside = table.stress_MPa.between(0.5, 1.2).to_numpy()
@@ -101,8 +103,8 @@ def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate():
     value = 100.0 * made.wavelength_mm.clip(upper=9.0) + 10.0 * made.shift_mm + made.cycle
     free = {"wavelength_mm": np.inf}
     columns = [
-        Column("wavelength_mm", "cycle", {"shift_mm": 0}, "log"),
-        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=free),
+        PanelColumn("wavelength_mm", "cycle", {"shift_mm": 0}, "log"),
+        PanelColumn("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", level=free),
     ]
     row = Row("closure (mm)", made.assign(value=value, error=0.5), "value", "error")
     figure = panels([row], columns, NAMES, bars=2.0)

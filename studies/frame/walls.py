@@ -51,7 +51,8 @@ def prepared_walls(
     """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     warnings: list[str] = []
-    files, bounds = f"{settings.upper} and {settings.lower}", None
+    files = f"{settings.upper} and {settings.lower}"
+    bounds = None
     measured = scans
     if settings.bring_together:
         if len(scans) < 2:
@@ -81,7 +82,8 @@ def prepared_walls(
                 raise InputError(f"{files}: {'; '.join(problems)}; {AS_IT_IS}")
     for side, (wall, share) in heights.items():
         # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
-        z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
+        z2 = _slope(wall, spacing)
+        hurst = float(np.clip(hurst_of(wall), 0.05, 1.0))
         about = {
             "units": "m",
             "long_name": f"measured height of the {side} wall towards the other",
@@ -199,7 +201,9 @@ class Cutter:
     def __init__(
         self, walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
     ):
-        self.shape, self.normalise, self.partner = shape, normalise, walls.attrs["partner"]
+        self.shape = shape
+        self.normalise = normalise
+        self.partner = walls.attrs["partner"]
         self.walls = {str(name): wall.values for name, wall in walls.data_vars.items()}
         about = next(iter(walls.data_vars.values())).attrs
         self.drawn = float(about["z2"]), float(walls.attrs["spacing_m"]), float(about["hurst"])
@@ -226,7 +230,8 @@ class Cutter:
         for other in {*SIDES} - set(self.walls):
             if self.partner == "synthetic":
                 # the name of the stream is a former term: another would give other walls
-                random, (z2, spacing, hurst) = generator(seed_of(seed, "matching")), self.drawn
+                random = generator(seed_of(seed, "matching"))
+                z2, spacing, hurst = self.drawn
                 drawn = z2, self.shape, spacing, Spectrum(hurst), random, self.normalise
                 cut[other] = synthetic_wall(*drawn)
             elif self.partner == FLAT:
@@ -249,14 +254,16 @@ class Cutter:
 
         At most as many as the latter share no cell.
         """
-        count, left = 0, self.windows
+        count = 0
+        left = self.windows
         while len(left):
             left = left[(np.abs(left - left[0]) >= self.shape).any(axis=1)]
             count += 1
         return {"windows": len(self.windows), "windows_side_by_side": count}
 
     def _cut(self, wall: np.ndarray, origin: tuple[int, int]) -> np.ndarray:
-        (y, x), (ny, nx) = origin, self.shape
+        y, x = origin
+        ny, nx = self.shape
         return detrended(wall[y : y + ny, x : x + nx])
 
 

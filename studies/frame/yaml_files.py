@@ -122,7 +122,8 @@ def _unbounded(text: str) -> str:
     merge keys (``<<``) name.
     """
     anchors: dict[str | None, _Node] = {}
-    whole, aliases = [_Node()], False  # nodes that are not complete, each within the one before
+    whole = [_Node()]
+    aliases = False  # nodes that are not complete, each within the one before
     for event in yaml.parse(text, Loader=_Loader):
         if isinstance(event, yaml.CollectionEndEvent):
             node = whole.pop()

@@ -15,7 +15,7 @@ from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import Configuration, configured, resolved
 from studies.frame.settings import ClosureSettings
 from studies.frame.yaml_files import merged, overlaid, refuse
-from studies.global_sensitivity.section import ROCK, GlobalSensitivity, Input
+from studies.global_sensitivity.section import ROCK, GlobalSensitivitySection, Input
 
 SURFACES = 2
 """Number of surface pairs of a row, the same for all its points."""
@@ -24,7 +24,7 @@ SURFACES = 2
 class Sampling(NamedTuple):
     """What varies over which rows of the unit cube, and the keys of the rocks by their names."""
 
-    section: GlobalSensitivity
+    section: GlobalSensitivitySection
     rocks: dict[str, dict]
     seed: int
 
@@ -54,7 +54,8 @@ class Sampling(NamedTuple):
 
     def blocks(self) -> list[range]:
         """Return the rows of each job."""
-        rows, step = self.section.rows, self.section.rows_per_job
+        rows = self.section.rows
+        step = self.section.rows_per_job
         return [range(i, min(i + step, rows)) for i in range(0, rows, step)]
 
 
@@ -65,12 +66,13 @@ def sampling_of(study: Configuration) -> Sampling:
     """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
     rocks = {rock: study.stated["rocks"][rock] for rock in study.rocks}
     seed = seed_of(study.study.root_seed, "global sensitivity")
-    return Sampling(study.section(GlobalSensitivity), rocks, seed)
+    return Sampling(study.section(GlobalSensitivitySection), rocks, seed)
 
 
 def check_sampling(study: Configuration) -> None:
     """Raise `ConfigurationError` if an end of an input is refused; each is tried alone first."""
-    sampling, keys = sampling_of(study), study.stated
+    sampling = sampling_of(study)
+    keys = study.stated
     refuse(_refused(sampling, keys, together=False))
     refuse(_refused(sampling, keys, together=True))
 
@@ -118,7 +120,8 @@ def settings_of_rock(
     sampling: Sampling, study: Configuration, rock: str
 ) -> Callable[[int, np.ndarray], ClosureSettings]:
     """Return a maker of the settings of a rock's base case, from a row and a point (d,)."""
-    alone, keys = _alone(rock), study.stated
+    alone = _alone(rock)
+    keys = study.stated
     plain = overlaid(keys, alone) | {
         "rocks": {rock: overlaid(keys["rocks"][rock], alone["rocks"][rock])}
     }

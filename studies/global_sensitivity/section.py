@@ -52,7 +52,7 @@ class Dependent(Section):
     correlation: float = entry("Of the normal variables whose ranks they have.", gt=-1, lt=1)
 
 
-class GlobalSensitivity(StudySection):
+class GlobalSensitivitySection(StudySection):
     """Design of a study in which properties and open choices vary together
     (global_sensitivity.yaml)."""
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from jointclosure.ensembles.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configuration
-from studies.frame.panels import Column, Row, keys_of, legend_below, panels, point_key
+from studies.frame.panels import PanelColumn, Row, keys_of, legend_below, panels, point_key
 from studies.frame.points import Experiment, Jobs, Tables
 from studies.frame.settings import Point
 from studies.global_sensitivity.design import (
@@ -30,7 +30,8 @@ from studies.paper.layout import figure_text
 
 def global_sensitivity_jobs(study: Configuration) -> Jobs:
     """Make a job for each rock and block of rows; added rows change no earlier block."""
-    sampling, jobs = sampling_of(study), {}
+    sampling = sampling_of(study)
+    jobs = {}
     for rock in sampling.rocks:
         settings = settings_of_rock(sampling, study, rock)
         for rows in sampling.blocks():
@@ -123,7 +124,7 @@ def convergence_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         for cycle in (1, 2)
     ]
     columns = [
-        Column(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
+        PanelColumn(_ROWS, "input", {"rock": rock}, "log", titles.get(rock, ""))
         for rock in dict.fromkeys(table.rock) or [""]  # axes alone without any rock
     ]
     return panels(rows, columns, {}, bars=_WIDTH, reference=0.0, sharey=True)

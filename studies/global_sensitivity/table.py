@@ -37,8 +37,8 @@ from studies.global_sensitivity.design import (
 from studies.paper.claims import (
     HYSTERESIS,
     LOOP,
+    ClosureStatement,
     Elasticities,
-    Statement,
     statements_of_elasticities,
 )
 from studies.paper.conclusions import SHARES
@@ -118,7 +118,8 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
                     continue
                 values = whole[name].sel(cycle=cycle).values
                 good = np.isfinite(values).all(axis=(1, 2))
-                rows, left_out = whole.row.values[good], int((~good).sum())
+                rows = whole.row.values[good]
+                left_out = int((~good).sum())
                 yield Responses(rock, name, cycle, rows, points[rows], values[good], left_out)
 
 
@@ -128,12 +129,14 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
     Of all rows also Shapley effects. The input "surfaces" has the share of the surfaces in a single
     joint's variance. There are none of fewer than `FEWEST` complete rows.
     """
-    rows, fits = [], []
+    rows = []
+    fits = []
     for response in responses_of(sampling, closed):
         enough = [share for share in (4, 2, 1) if len(response.values) // share >= FEWEST]
         for share in enough:
             number = len(response.values) // share
-            points, values = response.points[:number], response.values[:number]
+            points = response.points[:number]
+            values = response.values[:number]
             indices = variance_indices(points, values, sampling.values)
             about = response.about | {"rows": number, "left_out": response.left_out}
             about |= {"fit_share": indices.fit_share}
@@ -180,7 +183,8 @@ def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> 
     drawn_functions = first_functions(at, sampling.values)
     functions = first_functions(response.points[:, 0], sampling.values)
     logarithms = np.log(response.values)
-    inputs, answers = [], []
+    inputs = []
+    answers = []
     for place, name, one in _properties(sampling, response.rock):
         others = [other for other in range(len(sampling.inputs)) if other != place]
         known = sampling.rocks[response.rock]
@@ -212,7 +216,8 @@ def _properties(sampling: Sampling, rock: str) -> list[tuple[int, str, Input]]:
 def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Fit slopes (1 + groups, columns) of all rows and without each group, shrunk for noise."""
     slopes = np.stack([_least_squares(matrix, change, kept) for kept in _kept(rows)])
-    squares, noise = slopes[0] ** 2, jackknife_error(slopes[1:]) ** 2
+    squares = slopes[0] ** 2
+    noise = jackknife_error(slopes[1:]) ** 2
     factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
     factors[0] = 1.0
     return factors * slopes
@@ -279,7 +284,8 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
 
 
 def _fitted(response: Responses, kept: np.ndarray, sampling: Sampling) -> Fit:
-    points, mean = response.points[kept], response.values.mean(axis=-1)[kept]
+    points = response.points[kept]
+    mean = response.values.mean(axis=-1)[kept]
     return fitted(points.reshape(-1, points.shape[-1]), mean.ravel(), sampling.values)
 
 
@@ -355,7 +361,7 @@ def _elasticities(
     }
 
 
-def _about(statement: Statement, name: str, cycle: int) -> dict:
+def _about(statement: ClosureStatement, name: str, cycle: int) -> dict:
     about = {"number": statement.number, "conclusion": statement.text}
     return about | {"response": name, "cycle": cycle}
 
@@ -387,7 +393,7 @@ def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]
 
 
 def _of_rocks(
-    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: Statement,
+    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: ClosureStatement,
     name: str, cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
     """Return margins by rock; none if a rock lacks an elasticity of the statement."""

@@ -30,7 +30,8 @@ def world(design):
     """Closures that are powers of the properties, twice as large with current peaks, and noise."""
     closed = {}
     for rock in design.rocks:
-        points, random = design.points(), np.random.default_rng(3)
+        points = design.points()
+        random = np.random.default_rng(3)
         own = np.empty(points.shape[:2])
         for where in np.ndindex(own.shape):
             at = keys_at(design, rock, points[where])

@@ -58,7 +58,8 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     joints = joints[joints.status < FAILURE]
     at = ["variant", "wavelength", "realization"]
     cycles = {number: part.set_index(at) for number, part in joints.groupby("cycle")}
-    first, second = cycles[1], cycles[2]
+    first = cycles[1]
+    second = cycles[2]
     once = first[~first.index.isin(second.index)]
     later = pd.concat([second, once])
     loaded = once.reset_index()[["loaded_as", *at[1:]]]
@@ -66,7 +67,8 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     before = pd.concat([first.loc[second.index], base])
     columns: dict = {}
     for name, part in (("first", before), ("later", later)):
-        closure, stays = part.max_closure_seated_net, part.residual_closure_seated_net
+        closure = part.max_closure_seated_net
+        stays = part.residual_closure_seated_net
         columns[f"{name}_closure"] = 1e3 * closure
         columns[f"{name}_residual_share"] = 100.0 * stays / closure
         columns[f"{name}_stiffness"] = 1e-9 * part.stiffness_net
@@ -163,7 +165,8 @@ def _walls(part: pd.DataFrame, root_seed: int) -> Iterator[_Walls]:
             resampled = np.column_stack([means, np.full(len(means), np.inf)])
             yield _Walls("independent", joint, np.inf, values[-1], resampled)
         closure = measured("first_closure", joint).value
-        logs, mated = np.log(lengths[finite]), values[finite]
+        logs = np.log(lengths[finite])
+        mated = values[finite]
         best = fitted_length(logs, mated[:, :, 0].mean(axis=1), closure)
         fitted = []
         for draw in draws:
@@ -218,7 +221,8 @@ def _likelihood(base: pd.DataFrame, name: str, joint: str) -> Likelihood:
 
 def _quantiles(weights: np.ndarray, likelihood: Likelihood) -> list[float]:
     """Compute low end, median and high end of the prediction of a reading."""
-    means, scatter = likelihood.means[:, 0, 0], likelihood.scatter[:, 0]
+    means = likelihood.means[:, 0, 0]
+    scatter = likelihood.scatter[:, 0]
     share = weights / weights.sum()
 
     def below(value: float) -> float:

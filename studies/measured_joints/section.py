@@ -9,7 +9,7 @@ from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Ascending, Positive, Several, entry
 
 
-class MeasuredJoints(StudySection):
+class MeasuredJointsSection(StudySection):
     """Design of the comparison with measured joints (measured_joints.yaml)."""
 
     mates = True
@@ -43,7 +43,8 @@ class MeasuredJoints(StudySection):
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
         """Generate the reasons why the joints cannot be closed."""
-        study, cells = configuration.study, configuration.grid.cells_x
+        study = configuration.study
+        cells = configuration.grid.cells_x
         if len(study.rocks) != 1:
             yield f"study.rocks = {list(study.rocks)}: must be one rock (measured_joints)"
         if study.cycles < 2:

@@ -30,7 +30,7 @@ from studies.measured_joints.observables import (
     prediction_table,
     score_table,
 )
-from studies.measured_joints.section import MeasuredJoints
+from studies.measured_joints.section import MeasuredJointsSection
 
 FILM_CELL = 0.5e-3
 """Spacing of the measured maps of contact stress [m]."""
@@ -43,7 +43,7 @@ _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
 
 def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each mismatch wavelength: all choices of the model."""
-    section = study.section(MeasuredJoints)
+    section = study.section(MeasuredJointsSection)
     at = at_wavelengths(study, section.mismatch_wavelength)
     return {
         label: [
@@ -54,7 +54,7 @@ def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
     }
 
 
-def _variants(settings: ClosureSettings, section: MeasuredJoints) -> dict[str, Point]:
+def _variants(settings: ClosureSettings, section: MeasuredJointsSection) -> dict[str, Point]:
     """Make the points of all choices for walls of one wavelength, by name of the choice."""
     rocks = {BASE: settings}
     for value in section.compressive_strength:

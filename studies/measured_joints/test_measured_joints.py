@@ -33,7 +33,8 @@ def test_weaker_rock_is_crushed_to_more_contact(observables):
 @pytest.mark.parametrize(("rock", "of"), [("", BASE), ("strength 40 MPa, ", "strength 40 MPa")])
 def test_walls_that_are_reseated_where_they_were_repeat_the_second_cycle(observables, rock, of):
     by_variant = observables.set_index(AT)
-    again, base = by_variant.loc[f"{rock}reseated, 0 mm off"], by_variant.loc[of]
+    again = by_variant.loc[f"{rock}reseated, 0 mm off"]
+    base = by_variant.loc[of]
     np.testing.assert_array_equal(again.first_closure, base.first_closure)
     np.testing.assert_allclose(again.later_closure, base.later_closure, rtol=0.01)
     # of a single joint, up to 1.4 % at a tolerance of 0.1; shifted ones leave more than 5 %
@@ -125,7 +126,8 @@ def test_observables_are_of_joints_that_closed_and_no_more_than_all_of_a_film_is
 
 
 def test_no_modelled_contact_is_too_large_as_the_measured_one_is_a_bound():
-    random, lengths = np.random.default_rng(2), np.geomspace(1e-3, 8e-3, 4)
+    random = np.random.default_rng(2)
+    lengths = np.geomspace(1e-3, 8e-3, 4)
     rows = [
         {"variant": BASE, "wavelength": length, "realization": i}
         | {name: factor * np.exp(0.1 * random.normal()) for name in OBSERVABLES}

@@ -9,7 +9,7 @@ from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Ascending, Positive, WithZero, entry
 
 
-class Misalignment(StudySection):
+class MisalignmentSection(StudySection):
     """Design of a study of walls that are tilted or rotated (misalignment.yaml)."""
 
     mates = True
@@ -27,7 +27,8 @@ class Misalignment(StudySection):
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
         """Generate the reasons why walls cannot be tilted and rotated."""
-        grid, surface = configuration.grid, configuration.surface
+        grid = configuration.grid
+        surface = configuration.surface
         if grid.cells_x != grid.cells_y:
             yield (
                 f"grid.cells_x = {grid.cells_x}: must be cells_y ({grid.cells_y}) where walls "

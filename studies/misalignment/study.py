@@ -26,11 +26,11 @@ from jointclosure.walls.synthesis import (
     wave_numbers,
 )
 from studies.frame.configuration import Configuration
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, seeds_of
 from studies.frame.tables import grouped, mean_shown
-from studies.misalignment.section import Misalignment
+from studies.misalignment.section import MisalignmentSection
 
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
 """Quantities of the column ``response``."""
@@ -46,7 +46,8 @@ WALLS = f"{__name__}:misaligned"
 
 def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Iterator[Walls]:
     """Generate pairs with a tilted upper wall and a rotated lower wall [degrees]."""
-    grid, surface = settings.grid, settings.surface
+    grid = settings.grid
+    surface = settings.surface
     wavelength = surface.mismatch_wavelength
     for seed in seeds_of(settings):
         upper, lower = rotated_pair(
@@ -98,7 +99,8 @@ def rotated_pair(
 
 def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
     """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
-    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    cosine = np.cos(np.deg2rad(degrees))
+    sine = np.sin(np.deg2rad(degrees))
     middle = 0.5 * (n - 1)
     about = np.arange(n) - middle
     wave_y, wave_x = wave_numbers(2 * n, 2 * n)
@@ -122,7 +124,7 @@ def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
 
 def misalignment_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
-    section = study.section(Misalignment)
+    section = study.section(MisalignmentSection)
     angles = [{"tilt": tilt, "rotation": 0.0} for tilt in section.tilt_degrees]
     angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
     return {
@@ -143,14 +145,18 @@ def summary(
     """
     others = [name for name in (*by, "cycle") if name not in reference]
     here = (joints[list(reference)] == pd.Series(reference)).all(axis=1)
-    bases, rows = dict(list(joints[here].groupby(others))), []
+    bases = dict(list(joints[here].groupby(others)))
+    rows = []
     for at, part in grouped(joints, *by, "cycle"):
         base = bases[tuple(part[others].iloc[0])]
         for name in names:
-            values, before = part[name].to_numpy(), base[name].to_numpy()
+            values = part[name].to_numpy()
+            before = base[name].to_numpy()
             both = np.isfinite(values) & np.isfinite(before)
-            values, before = values[both], before[both]
-            mean, harmonic = mean_shown(name, values), QUANTITIES[name].harmonic
+            values = values[both]
+            before = before[both]
+            mean = mean_shown(name, values)
+            harmonic = QUANTITIES[name].harmonic
             ratio = ratio_of_means(*((1 / before, 1 / values) if harmonic else (values, before)))
             row = {"response": name, "value": mean.value, "error": mean.standard_error}
             row["change_percent"] = 100.0 * (ratio.value - 1.0)
@@ -175,8 +181,8 @@ def draw_misalignment(tables: Tables, settings: Mapping[str, Any]) -> Figure:
         for part in [table[(table.response == response) & (table.cycle == cycle)]]
     ]
     columns = [
-        Column("tilt_degrees", "rock", {"rotation_degrees": 0.0}),
-        Column("rotation_degrees", "rock", {"tilt_degrees": 0.0}, "symlog"),
+        PanelColumn("tilt_degrees", "rock", {"rotation_degrees": 0.0}),
+        PanelColumn("rotation_degrees", "rock", {"tilt_degrees": 0.0}, "symlog"),
     ]
     lengths = {length: f"waves beyond {length:g} mm mate" for length in table.wavelength_mm}
     names = {

@@ -59,9 +59,11 @@ def rotated(seed, rotation=0.0, wavelength=1.03e-3):
 
 def test_aligned_walls_are_those_of_every_other_study(jobs):
     aligned = jobs["slate.770um"][0]
-    settings, made = aligned.settings, {"mismatch_wavelength": 0.77e-3}
+    settings = aligned.settings
+    made = {"mismatch_wavelength": 0.77e-3}
     made["roll_off"] = settings.surface.roll_off
-    spacing, seed = settings.grid.spacing, seeds_of(settings)[0]
+    spacing = settings.grid.spacing
+    seed = seeds_of(settings)[0]
     stated = wall_pair(settings.case.jrc, settings.grid.shape, spacing, seed, **made)
     for mine, other in zip(next(aligned.walls()), stated, strict=True):
         np.testing.assert_allclose(mine, other, atol=1e-11 * other.std())
@@ -69,7 +71,8 @@ def test_aligned_walls_are_those_of_every_other_study(jobs):
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 def test_a_quarter_turn_puts_cells_on_cells(quarters):
-    (_, before), (_, after) = rotated(5), rotated(5, 90.0 * quarters)
+    _, before = rotated(5)
+    _, after = rotated(5, 90.0 * quarters)
     turned = np.rot90(before, -quarters)  # rows are y, which points down in rot90's picture
     np.testing.assert_allclose(after / after.std(), turned / turned.std(), atol=1e-10)
 

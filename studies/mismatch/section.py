@@ -8,7 +8,7 @@ from studies.frame.configuration import StudySection
 from studies.frame.keys import Ascending, WithZero, entry
 
 
-class Mismatch(StudySection):
+class MismatchSection(StudySection):
     """Design of a study of mated, natural and non-mated walls (mismatch.yaml)."""
 
     mates = True

@@ -19,11 +19,11 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, ratio_of_means
 from studies.frame.configuration import Configuration
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import Point
 from studies.frame.tables import grouped, mean_shown
-from studies.mismatch.section import Mismatch
+from studies.mismatch.section import MismatchSection
 
 CLOSURE, RESIDUAL = "max_closure_seated_net", "residual_closure_seated_net"
 MEANS = ("max_closure", CLOSURE, RESIDUAL, "hysteresis", "mean_aperture_at_seating")
@@ -35,9 +35,11 @@ RESAMPLES = 2000
 
 def mismatch_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
-    section, jobs = study.section(Mismatch), {}
+    section = study.section(MismatchSection)
+    jobs = {}
     for rock, name, wavelength, settings in at_wavelengths(study, section.wavelength):
-        surface, points = settings.surface, []
+        surface = settings.surface
+        points = []
         for shift in section.shift_in_cells if np.isfinite(wavelength) else (0,):
             at = {"rock": rock, "wavelength": wavelength}
             at["shift"] = study.grid.spacing * shift
@@ -77,8 +79,8 @@ def draw_mismatch(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     ]
     free = {"wavelength_mm": np.inf}
     columns = [
-        Column("wavelength_mm", "cycle", {"shift_mm": 0.0}, "log", "without a shift"),
-        Column("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", "shifted, cycle 1", free),
+        PanelColumn("wavelength_mm", "cycle", {"shift_mm": 0.0}, "log", "without a shift"),
+        PanelColumn("shift_mm", "wavelength_mm", {"cycle": 1}, "symlog", "shifted, cycle 1", free),
     ]
     return panels(rows, columns, {"wavelength_mm": {0.0: "0 (mated)", np.inf: "independent"}})
 
@@ -89,7 +91,8 @@ def find_independence(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.D
     ``shift_mm`` with its 95 % interval (bootstrap over surfaces) is infinite if no shift suffices;
     ``apertures``: over the mean aperture of independent walls at seating. Means are isotonic.
     """
-    tolerance, root_seed = settings["tolerance"], settings["root_seed"]
+    tolerance = settings["tolerance"]
+    root_seed = settings["root_seed"]
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]
     tail = 0.5 - 0.5 * CONFIDENCE
@@ -145,6 +148,6 @@ EXPERIMENT = Experiment(
     figures={"mismatch": draw_mismatch},
     settings=lambda study: {
         "root_seed": study.study.root_seed,
-        "tolerance": study.section(Mismatch).tolerance,
+        "tolerance": study.section(MismatchSection).tolerance,
     },
 )

@@ -101,7 +101,8 @@ def reached_table(
 def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Iterator[tuple]:
     """Generate means (harmonic of stiffnesses) of all cases and cycles that joints have."""
     pairs = finest.sizes["realization"]
-    good, fine_good = succeeded(study).values, succeeded(finest).values
+    good = succeeded(study).values
+    fine_good = succeeded(finest).values
     for i in range(study.sizes["case"]):
         about = {key: study[key].values[i] for key in ("rock", "parameter", "level")}
         for cycle, name in itertools.product(study.cycle.values.tolist(), names):
@@ -111,7 +112,8 @@ def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Ite
             alone = good[i] & np.isfinite(cheap)
             both = alone[:pairs] & fine_good[i] & np.isfinite(fine)
             alone[:pairs] &= ~both
-            cheap, fine = np.concatenate([cheap[:pairs][both], cheap[alone]]), fine[both]
+            cheap = np.concatenate([cheap[:pairs][both], cheap[alone]])
+            fine = fine[both]
             at = about | {"cycle": cycle, "quantity": name, "unit": unit}
             estimate = _mean(1.0 / cheap, 1.0 / fine) if quantity.harmonic else _mean(cheap, fine)
             low, high = sorted(_shown(end, scale, quantity.harmonic) for end in estimate[0][1:])
@@ -152,10 +154,13 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
     pairs = finest.sizes["realization"]
     both = (succeeded(study).values[:, :pairs] & succeeded(finest).values).all(axis=0)
     kept = np.concatenate([both, np.ones(study.sizes["realization"] - pairs, dtype=bool)])
-    study, finest = study.isel(realization=kept), finest.isel(realization=both)
+    study = study.isel(realization=kept)
+    finest = finest.isel(realization=both)
     for cheap, fine in zip(responses(study, TARGET), responses(finest, TARGET), strict=True):
-        n, k = cheap.samples.shape[1], fine.samples.shape[1]
-        scale, estimate = 100.0 / abs(cheap.base), _UNKNOWN
+        n = cheap.samples.shape[1]
+        k = fine.samples.shape[1]
+        scale = 100.0 / abs(cheap.base)
+        estimate = _UNKNOWN
         if k > 2:
             pair = cheap._replace(samples=cheap.samples[:, :k])
             whole, own = _log_length(cheap, significance, n)
@@ -183,7 +188,8 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
 
 def _log_length(response: Response, significance: float, surfaces: int) -> tuple[float, np.ndarray]:
     """Return the logarithm of a length, NaN without one, and contributions (group, n) to it."""
-    samples, n = response.samples, response.samples.shape[1]
+    samples = response.samples
+    n = response.samples.shape[1]
     if response.paired:
         drawn = [samples, *(np.delete(samples, i, axis=1) for i in range(n))]
         parts = (response._replace(samples=part) for part in drawn)
@@ -218,7 +224,8 @@ def start_counts(price: pd.DataFrame, accuracy: Accuracy) -> Counts:
     """Return the counts to start with, fewer for a small budget; `InputError` if it buys no two."""
     joints = price.groupby("ensemble").seconds.max()
     minutes = (price.cases * price.seconds).groupby(price.ensemble).sum() / 60.0
-    counts, budget = START, accuracy.budget_core_minutes
+    counts = START
+    budget = accuracy.budget_core_minutes
     while budget is not None and _core_minutes(counts, minutes.cases, minutes.finest) > budget:
         if counts == Counts(2, 2):
             least = _core_minutes(counts, minutes.cases, minutes.finest)
@@ -238,7 +245,8 @@ def _core_minutes(counts: Counts, surface: float, difference: float) -> float:
 
 def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Counts | None:
     """Return the counts to continue with, at most doubled; None if all is met or spent."""
-    missing, most = table[~table.met], accuracy.most
+    missing = table[~table.met]
+    most = accuracy.most
     if missing.empty:
         return None
     needed = [min(missing[f"{name}_needed"].max(), most) for name in Counts._fields]
@@ -247,7 +255,8 @@ def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Coun
         for need, step, have in zip(needed, (BLOCK, FEW), closed, strict=True)
     )
     if (surfaces, differences) == closed:  # what was expected did not suffice
-        surfaces, differences = surfaces + BLOCK, differences + FEW
+        surfaces = surfaces + BLOCK
+        differences = differences + FEW
     budget = accuracy.budget_core_minutes
     while True:
         surfaces = max(min(surfaces, most), closed.surfaces)
@@ -256,7 +265,8 @@ def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Coun
             return None
         if budget is None or _core_minutes(counts, *_prices(table)) <= budget:
             return counts
-        surfaces, differences = surfaces - BLOCK, differences - FEW
+        surfaces = surfaces - BLOCK
+        differences = differences - FEW
 
 
 def _prices(table: pd.DataFrame) -> tuple[float, float]:

@@ -71,7 +71,8 @@ def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
         about |= {name: case[name].item() for name in ("rock", "parameter", "level")}
         about |= {"joints": int(marked.sum()), "samples": marked.size}
         for cycle, values in zip(study.cycle.values.tolist(), closures[:, place], strict=True):
-            mean, change = values[used].mean(), _change_without(values[used], marked)
+            mean = values[used].mean()
+            change = _change_without(values[used], marked)
             row = about | {"cycle": cycle, "max_closure_mean_mm": mean}
             row |= {"mean_without_mm": mean * (1.0 + change.value)}
             rows.append(row | estimate_columns("change_percent", change, 100.0))
@@ -87,10 +88,12 @@ def _change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
     It is the share of those times the difference of the means of both groups, whose error is that
     of their pooled variance; NaN if none is left.
     """
-    left, out = values[~marked], values[marked]
+    left = values[~marked]
+    out = values[marked]
     if not left.size:
         return Estimate(np.nan, np.nan)
-    change, freedom = left.mean() / values.mean() - 1.0, values.size - 2
+    change = left.mean() / values.mean() - 1.0
+    freedom = values.size - 2
     squares = sum(np.sum((part - part.mean()) ** 2) for part in (left, out))
     variance = squares / freedom if freedom else np.nan
     error = out.size / values.size * np.sqrt(variance * (1.0 / left.size + 1.0 / out.size))
@@ -111,10 +114,8 @@ def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tu
         without = f"largest change of a mean maximum closure without {name}"
         lines.append((without, f"{change_in_words(most)} ({where})"))
     for case, part in cases:
-        first, changes = (
-            part.iloc[0],
-            [f"cycle {row.cycle}: {change_in_words(row)}" for row in part.itertuples()],
-        )
+        first = part.iloc[0]
+        changes = [f"cycle {row.cycle}: {change_in_words(row)}" for row in part.itertuples()]
         without = f"mean maximum closure without them: {', '.join(changes)}"
         lines.append((f"{name} of {case}", f"{first.joints} of {first.samples}; {without}"))
     return lines
@@ -149,7 +150,8 @@ def check_results(
     def bounded(check: str, value: float, limit: float, shown: str = "g") -> None:
         add(check, f"at most {limit:{shown}}", f"{value:.3g}", value <= limit)
 
-    total, successes = good.size, int(good.sum())
+    total = good.size
+    successes = int(good.sum())
     add("simulations in a status of success", f"{total}", f"{successes}", successes == total)
     least = int(good.sum("realization").min())
     used = "realisations that statistics use, of the case with the fewest"

@@ -115,7 +115,7 @@ class Elasticities(NamedTuple):
         return (1.0 + change / self.bases[parameter]) ** self.by_cycle[parameter, cycle] - 1.0
 
 
-class Statement(NamedTuple):
+class ClosureStatement(NamedTuple):
     """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
 
     It is true if all ``margins`` of a model exceed ``above``, or lie ``within`` it; ``finds`` are
@@ -174,7 +174,7 @@ def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
 
 def _ranked(
     number: str, text: str, parameter: str, finds: Callable, *pairs: tuple[str, str]
-) -> Statement:
+) -> ClosureStatement:
     """Make the statement that closure is more sensitive to the first of each pair."""
 
     def margins(model: Any, *at: Any) -> dict[str, Any]:
@@ -187,10 +187,10 @@ def _ranked(
     def confirms(studies: Findings, *at: Any) -> np.ndarray:
         return finds(studies.percents(*at), parameter)
 
-    return Statement(number, text, parameter, PROPERTIES, margins, confirms, alike=TOLERANCE)
+    return ClosureStatement(number, text, parameter, PROPERTIES, margins, confirms, alike=TOLERANCE)
 
 
-def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
+def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> ClosureStatement:
     """Make the statement that sensitivity rises (sign 1) or falls (-1) from the cycle before."""
 
     def margins(model: Any, cycle: int, variable: str) -> dict[str, Any]:
@@ -205,16 +205,16 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statem
         return sign * here < sign * before
 
     about = number, text, parameter, (parameter,)
-    return Statement(*about, margins, confirms, alike=TOLERANCE, before=True)
+    return ClosureStatement(*about, margins, confirms, alike=TOLERANCE, before=True)
 
 
-def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
+def _trend(number: str, text: str, parameter: str, sign: int) -> ClosureStatement:
     """Make the statement that closure rises (sign 1) or falls (-1) with a parameter.
 
     It is judged in both halves of the parameter's range, each by all levels together.
     """
     name = f"{'rise' if sign > 0 else 'fall'} with {SYMBOLS[parameter]}"
-    return Statement(
+    return ClosureStatement(
         number, text, parameter, (parameter,),
         lambda model, *at: {
             f"{name}, {half} half of the levels": sign * slope
@@ -228,9 +228,9 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
     )  # fmt: skip
 
 
-def _positive(number: str, text: str, reads: str) -> Statement:
+def _positive(number: str, text: str, reads: str) -> ClosureStatement:
     """Make the statement that `LOOP` or `EXCESS` of the base case is positive."""
-    return Statement(
+    return ClosureStatement(
         number, text, "", (),
         lambda model, cycle, _: {f"{reads} over closure": model.share(reads, cycle)},
         lambda studies, rock, cycle, _: studies.base_means(rock, cycle, reads) > 0.0,
@@ -241,7 +241,7 @@ def _positive(number: str, text: str, reads: str) -> Statement:
 NU_LEAST = _ranked(
     "1a", "Poisson's ratio matters least", NU, _widest, (E, NU), (STRENGTH, NU), (JRC, NU)
 )
-NU_NO_EFFECT = Statement(
+NU_NO_EFFECT = ClosureStatement(
     "1b", "No effect of a change of Poisson's ratio by 0.1", NU, (NU,),
     lambda model, cycle, _: {
         f"change with {SYMBOLS[NU]} {by:+g}": model.change(NU, cycle, by) for by in (-0.1, 0.1)
@@ -260,7 +260,7 @@ STRENGTH_NEXT = _ranked(
 STRENGTH_RISES = _with_the_cycle(
     "3b", "Compressive strength matters more than on the cycle before", STRENGTH, 1
 )
-STRENGTH_SIGNIFICANT = Statement(
+STRENGTH_SIGNIFICANT = ClosureStatement(
     "3c", "A change of compressive strength by 5 % is significant", STRENGTH, (STRENGTH,),
     lambda model, cycle, variable: {
         f"change with 5 % of {SYMBOLS[STRENGTH]}, over a significant one": 0.05
@@ -295,7 +295,7 @@ class Claim(NamedTuple):
     number: str
     text: str
     section: str
-    statement: Statement
+    statement: ClosureStatement
     cycles: tuple[int, ...]
     shown: str = TABLE_3
     variable: str = TARGET
@@ -375,7 +375,7 @@ CLAIMS = (
 """All claims, in the order in which they are shown."""
 
 
-def statements_of_elasticities() -> list[Statement]:
+def statements_of_elasticities() -> list[ClosureStatement]:
     """Return the distinct statements that depend only on elasticities."""
     by_number = {claim.statement.number: claim.statement for claim in CLAIMS}
     return [statement for statement in by_number.values() if statement.of_elasticities]

@@ -83,9 +83,12 @@ def _paired_with(study: xr.Dataset, place: int) -> int | None:
 
 def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
     """Return mean and standard deviation [mm] of a target, and their standard errors."""
-    mean, deviation, variation = errors.Estimate(np.nan, np.nan), _UNKNOWN, _UNKNOWN
+    mean = errors.Estimate(np.nan, np.nan)
+    deviation = _UNKNOWN
+    variation = _UNKNOWN
     if values.size > 1:
-        mean, deviation = errors.mean_of(values), errors.deviation_of(values)
+        mean = errors.mean_of(values)
+        deviation = errors.deviation_of(values)
         variation = errors.variation_of(values) if mean.value != 0.0 else _UNKNOWN
     elif values.size:
         mean = errors.Estimate(values.mean(), np.nan)
@@ -112,7 +115,8 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
     """Tabulate coefficients of Eqs. (24) and (26) [mm, units of Table 1], and lack of fit."""
     rows = []
     for response in responses(study, TARGET):
-        surfaces, unit = response.samples.shape[1], PROPERTIES[response.parameter]
+        surfaces = response.samples.shape[1]
+        unit = PROPERTIES[response.parameter]
         if surfaces < 2:
             continue
         row: dict = {"rock": response.rock, "parameter": response.parameter, "unit": unit.unit}
@@ -124,9 +128,12 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
 
 
 def _coefficients(response: Response, size: float) -> dict:
-    levels, base = response.levels / size, response.base / size
-    samples, paired = _MM * response.samples, response.paired
-    means, deviations = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    levels = response.levels / size
+    base = response.base / size
+    samples = _MM * response.samples
+    paired = response.paired
+    means = samples.mean(axis=1)
+    deviations = samples.std(axis=1, ddof=1)
     row: dict[str, float] = {}
     for names, values, covariance in (
         (_OF_MEAN, means, errors.mean_covariance(samples, paired)),
@@ -239,7 +246,8 @@ def _interval(
 
 
 def _settings(response: Response, statistics: "Statistics") -> dict[str, Any]:
-    confidence, significance = statistics.bootstrap_confidence, statistics.significance
+    confidence = statistics.bootstrap_confidence
+    significance = statistics.significance
     return {"base": response.base, "confidence": confidence, "significance": significance}
 
 
@@ -294,7 +302,8 @@ def _linear_length(
         return interval.linear_length
     mean = correlations.fit_quadratic(response.levels, response.means, response.base)
     deviation = correlations.fit_quadratic(response.levels, response.deviations, response.base).d
-    slope, n = mean.c / mean.half_range, response.samples.shape[1]
+    slope = mean.c / mean.half_range
+    n = response.samples.shape[1]
     return interval.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf
 
 
@@ -316,7 +325,8 @@ def fit_table(
     for rock, curve in curves.items():
         case = np.flatnonzero((study.rock == rock).values & (study.parameter == "base").values)[0]
         base = study[list(_READ)].isel(case=int(case)).load()
-        squares, largest = {}, {}
+        squares = {}
+        largest = {}
         for cycle in curve.cycles:
             branches = list(curve.since_seating(cycle, seating_stress))
             squares[cycle] = _squares(base, cycle, branches)
@@ -330,7 +340,8 @@ def fit_table(
 
 def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:
     """Compute squared differences (realization, points) [m2]; NaN where a realisation failed."""
-    good, columns = succeeded(base).values, []
+    good = succeeded(base).values
+    columns = []
     for branch, stress, closure in branches:
         model = since_seating(base).sel(cycle=cycle, branch=branch)
         modelled = np.array([_at(model.stress.values, row, stress) for row in model.values])

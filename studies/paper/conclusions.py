@@ -72,7 +72,8 @@ def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
     allowed = readings[readings.allowed]
     verdicts = allowed[column]
     whole = allowed.rocks.str.len() == readings.rocks.str.len().max()
-    here, there = _RANKS.get(claim.verdict, np.nan), verdicts.map(_RANKS)
+    here = _RANKS.get(claim.verdict, np.nan)
+    there = verdicts.map(_RANKS)
     opposed = (there < here) | (whole & (there > here))
     opened = (verdicts == UNDECIDED) & (claim.verdict != UNDECIDED)
     return {
@@ -127,7 +128,8 @@ def _conclusion(row: dict) -> str:
         return UNDECIDED
     if row["opposed_by"]:
         return DEPENDS
-    low, high = row["choices_share_low"], row["choices_share_high"]
+    low = row["choices_share_low"]
+    high = row["choices_share_high"]
     if np.isnan(low):
         tried = sum(row[f"readings_{name}"] for name in COUNTS) > 0
         return verdict if tried else ONLY_CONFIGURED[verdict]

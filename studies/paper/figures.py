@@ -72,18 +72,21 @@ def draw_measured(
         return ""
     curve = measured.curves[rock]
     for cycle in set(curve.cycles) & set(cycles):
-        closures, stresses = [0.0], [seating_stress]
+        closures = [0.0]
+        stresses = [seating_stress]
         for _, stress, closure in curve.since_seating(cycle, seating_stress):
             closures += closure.tolist()
             stresses += stress.tolist()
         axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
-    misfits, stress = [], base.stress.values
+    misfits = []
+    stress = base.stress.values
     for cycle, realization, misfit, misfit_percent in best_fits(measured.fits, rock):
         misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
         if cycle in cycles:
             best = 1e3 * since_seating(base).sel(cycle=cycle, realization=realization)
             for branch in BRANCH_LINES:
-                closure, shown = best.sel(branch=branch).values, stress > seating_stress
+                closure = best.sel(branch=branch).values
+                shown = stress > seating_stress
                 axes.plot(closure[shown], 1e-6 * stress[shown], **_style(cycle))
     if not misfits:
         return "\nno realisation reaches all measured stresses"
@@ -112,7 +115,8 @@ def measured_handles(measured: Measurements) -> list:
 
 def _surfaces(study: xr.Dataset, seating_stress: float | None) -> str:
     """Describe the thin lines, which are stored at some stresses only."""
-    number, lowest = study.sizes["realization"], 1e-6 * float(study.stress[1])
+    number = study.sizes["realization"]
+    lowest = 1e-6 * float(study.stress[1])
     every = "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
     if seating_stress is None:
         every += f" from {lowest:.2g} MPa,\nand ticks where it starts and ends at zero stress"
@@ -264,7 +268,8 @@ def _draw_rock(
             closure = 1e3 * (law.closure(stress) - law.closure(first))
             axes.plot(closure, 1e-6 * stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
     if seating_stress is None:
-        fitted, closure_of = "", "gross closure since the start of the cycle (mm)"
+        fitted = ""
+        closure_of = "gross closure since the start of the cycle (mm)"
     else:
         fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
         closure_of = f"net closure since {1e-6 * seating_stress:g} MPa (mm)"
@@ -295,18 +300,23 @@ def _stored(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | N
     its end at zero stress, from which it is separated by a NaN.
     """
     curves = 1e3 * _curves(base, seating_stress).sel(cycle=cycle, branch=branch)
-    first, stress = seating_stress or 0.0, base.stress.values
+    first = seating_stress or 0.0
+    stress = base.stress.values
     shown = (stress > first) & np.isfinite(curves.values).any(axis=0)
-    columns, stresses = [curves.values[:, shown]], [stress[shown]]
-    end, gap = _end_of(base, cycle, branch, seating_stress), np.full((len(curves), 1), np.nan)
+    columns = [curves.values[:, shown]]
+    stresses = [stress[shown]]
+    end = _end_of(base, cycle, branch, seating_stress)
+    gap = np.full((len(curves), 1), np.nan)
     low = [1e3 * end[:, None], *([gap] if seating_stress is None else [])]
     maximum = float(base.max_normal_stress)
     top = base["max_closure" if seating_stress is None else "max_closure_seated_net"]
     reached = ((base.status.fillna(0).astype(int) & TARGET_JUMPED) == 0).values
     high = np.where(reached, 1e3 * top.sel(cycle=cycle).values, np.nan)[:, None]
     if not np.isclose(stress, maximum).any():  # the maximum is between the stored stresses
-        columns, stresses = [*columns, high], [*stresses, [maximum]]
-    columns, stresses = [*low, *columns], [[first] * len(low), *stresses]
+        columns = [*columns, high]
+        stresses = [*stresses, [maximum]]
+    columns = [*low, *columns]
+    stresses = [[first] * len(low), *stresses]
     return _Branches(np.column_stack(columns), 1e-6 * np.concatenate(stresses))
 
 
@@ -357,7 +367,9 @@ def _draw_cycle(
             spread = np.nanstd(x[:, known], axis=0, ddof=1)
             along = y[known]
             if seating_stress is None:  # as no line joins it to zero stress
-                mean, spread, along = mean[1:], spread[1:], along[1:]
+                mean = mean[1:]
+                spread = spread[1:]
+                along = along[1:]
             axes.fill_betweenx(along, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
         mark: dict[str, Any] = {"marker": "|", "ms": 6, "mew": 0.6, "markevery": [0]}
         axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint, **mark)
@@ -429,7 +441,8 @@ def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
     # the mean over only those joints that reach a stress would not represent all joints
     table = table[table.samples == table.samples.max()]
     for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
-        colour, stress = f"C{cycle - 1}", rows.stress_MPa.to_numpy()
+        colour = f"C{cycle - 1}"
+        stress = rows.stress_MPa.to_numpy()
         mean = rows[f"{quantity}_mean{unit}"].to_numpy()
         axes.plot(
             stress, mean, BRANCH_LINES[branch], color=colour, lw=2.0, zorder=above(cycle, branch)
@@ -437,7 +450,8 @@ def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
         if branch == UNLOADING:
             continue
         spread = np.nan_to_num(rows[f"{quantity}_standard_deviation{unit}"].to_numpy())
-        low, high = np.maximum(mean - spread, 0.0), mean + spread
+        low = np.maximum(mean - spread, 0.0)
+        high = mean + spread
         axes.fill_between(stress, low, high, color=colour, alpha=0.18, lw=0)
         if quantity == "hydraulic_aperture":
             axes.plot(stress, rows.mean_aperture_mean_mm, ":", color=colour, lw=1.2)
@@ -532,11 +546,13 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
             scale = 1.0 / base["at"]
             if len(rocks) == 1:
                 scale = in_unit(1.0, PROPERTIES[parameter].unit)
-            mean, error = part.max_closure_mean_mm, part.max_closure_mean_mm_standard_error
+            mean = part.max_closure_mean_mm
+            error = part.max_closure_mean_mm_standard_error
             if paired:  # the change from the base case, which itself has no error of a change
                 mean = base.max_closure_mean_mm + part[CHANGE].where(part.parameter != "base", 0.0)
                 error = part[f"{CHANGE}_standard_error"].where(part.parameter != "base", 0.0)
-            style, label = {"color": f"C{i}"}, figure_text(rock.title)
+            style = {"color": f"C{i}"}
+            label = figure_text(rock.title)
             axes.errorbar(
                 scale * part["at"],
                 mean,
@@ -689,7 +705,8 @@ def study_figures(
     drawn = np.union1d(study.realization.values[:MOST_DRAWN], measured.best)
     shown = study.sel(realization=drawn.astype(int)).load()
     report(f"curves of {shown.sizes['realization']} of {study.sizes['realization']} surfaces")
-    first, walls = next(iter(rocks.values())), surfaces.isel(realization=0)
+    first = next(iter(rocks.values()))
+    walls = surfaces.isel(realization=0)
     title = f"{first.title}, {roughness_title(first)}, realisation 0"
     pair = walls.upper.values, walls.lower.values, surfaces.attrs["spacing_m"]
     figures = {

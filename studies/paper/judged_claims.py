@@ -55,13 +55,15 @@ class Evidence(NamedTuple):
 
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Judge all claims by both criteria; the smallest of the returned margins ``decides``."""
-    samples, design = _samples(evidence.pool), evidence.design
+    samples = _samples(evidence.pool)
+    design = evidence.design
     margins = {sample.rock: _margins(sample, design.critical_change) for sample in samples}
     often = _frequencies(evidence, samples)
     study = as_found(_samples(evidence.study), design.significance)
     published = _paper_as_study(paper, samples)
     sizes = {sample.rock: sample.values.shape[-1] for sample in samples}
-    rows, margin_rows = [], []
+    rows = []
+    margin_rows = []
     for claim in CLAIMS:
         asked = {rock: of[claim.number] for rock, of in margins.items() if claim.number in of}
         verdict, of_model = _true(claim, asked, sizes)
@@ -120,7 +122,8 @@ def _at_half_stress(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     place = dataset.get_index("stress").get_indexer(0.5 * most.values, method="nearest")
     cases = xr.DataArray(np.arange(most.size), dims="case")
     half = dataset.closure.isel(case=cases, stress=xr.DataArray(place, dims="case"))
-    stress, half = half.stress.drop_vars("stress"), half.drop_vars("stress")
+    stress = half.stress.drop_vars("stress")
+    half = half.drop_vars("stress")
     up, down = (half.sel(branch=name, drop=True) for name in ("loading", "unloading"))
     start = dataset.closure.isel(stress=0, drop=True).sel(branch="loading", drop=True)
     excess = up - start - stress / most * dataset[TARGET]
@@ -171,13 +174,15 @@ def _true(
         return UNDECIDED, []
     statement = claim.statement
     confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(margins) for margins in asked.values())
-    rows, intervals = [], []
+    rows = []
+    intervals = []
     for rock, margins in asked.items():
         far = []
         for (quantity, cycle), margin in margins.items():
             intervals.append(interval := confidence_limits(margin, sizes[rock], confidence))
             at = statement.least_limits([Limits(margin.value, margin.value)]).low
-            inside, error = at - statement.true_above(), margin.standard_error
+            inside = at - statement.true_above()
+            error = margin.standard_error
             far.append(inside / error if error else np.copysign(np.inf, inside))
             row = {"number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity}
             rows.append(row | margin._asdict() | interval._asdict() | {"decides": False})
@@ -195,7 +200,8 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
     for sample in samples:
         for parameter, (levels, cases, base) in sample.levels.items():
             values = sample.values[:, cases]
-            means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
+            means = values.mean(axis=2)
+            deviations = values.std(axis=2, ddof=1)
             n = values.shape[2]
             lengths = indifference_lengths(levels, means, deviations, n, significance, base)
             parts = (means, deviations, np.nan_to_num(lengths, nan=np.inf))
@@ -305,7 +311,8 @@ def estimated(
     scattering = np.flatnonzero(errors)
     steps = 0.1 * errors
     moves = np.diag(steps)[scattering].reshape(-1, *means.shape)
-    up, down = numbers(means + moves), numbers(means - moves)
+    up = numbers(means + moves)
+    down = numbers(means - moves)
     for place, name in enumerate(values_by_name):
         gradients[place, scattering] = (up[name] - down[name]) / (2.0 * steps[scattering])
     variances = np.einsum("qi,ij,qj->q", gradients, covariance, gradients)

@@ -54,7 +54,8 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
     rows = []
     for name, rock in rocks.items():
         for parameter in (name for name in PROPERTIES if name in rock.levels):
-            levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
+            levels = rock.levels[parameter]
+            unit = PROPERTIES[parameter].unit
             base = getattr(rock, parameter)
             for level, value in zip(level_names(levels, base), levels, strict=True):
                 row: dict[str, object] = {"rock": name, "parameter": parameter, "level": level}
@@ -255,10 +256,12 @@ def is_paired(table: pd.DataFrame) -> bool:
 
 
 def _note(table: pd.DataFrame) -> str:
-    fewest, most = int(table.samples.min()), int(table.samples.max())
+    fewest = int(table.samples.min())
+    most = int(table.samples.max())
     samples = f"{most}" if fewest == most else f"{fewest} to {most} successful"
     if is_paired(table):
-        test, size = "paired t test", ""
+        test = "paired t test"
+        size = ""
         seen = "the paired test finds no significant change at any distance"
     else:
         test = "unpaired t test on independent draws, Eqs. (28) and (29)"

@@ -23,7 +23,8 @@ class CurveSettings(NamedTuple):
 
 def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
     """Return the settings of the measured curves by rock, for rocks of a study that have one."""
-    cycles, seating = study.study.cycles, study.seating_stress
+    cycles = study.study.cycles
+    seating = study.seating_stress
     return {
         name: CurveSettings(rock.measured, rock.max_normal_stress, cycles, seating)
         for name, rock in study.rocks.items()
@@ -35,7 +36,8 @@ def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCur
     """Read and check measured curves by rock."""
     curves = {}
     for rock, of_rock in settings.items():
-        about, largest = of_rock.measured, of_rock.max_normal_stress
+        about = of_rock.measured
+        largest = of_rock.max_normal_stress
         file = about.file
         if not Path(file).is_file():
             raise InputError(f"rocks.{rock}.measured.file = {file!r}: file not found")

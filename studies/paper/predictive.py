@@ -67,8 +67,10 @@ def predictive(
     def stream(name: str) -> np.random.Generator:
         return generator(seed_of(root_seed, "predictive", name))
 
-    random, times = stream("pools"), repeated.repetitions_of_pool(repetitions)
-    again, twice = stream("again"), []
+    random = stream("pools")
+    times = repeated.repetitions_of_pool(repetitions)
+    again = stream("again")
+    twice = []
     model = [drawn(pool, repetitions, stream("model"))]
     null = [drawn(repeated.without_effect(pool), repetitions, stream("null"))]
     for sample in repeated.resampled_pools(pool, random, pools):
@@ -129,7 +131,8 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
     rows = []
     for entry, lengths in lengths_of_studies.model[0].items():
         rock, parameter, cycle = entry
-        unit, base = PROPERTIES[parameter], lengths_of_studies.bases[entry]
+        unit = PROPERTIES[parameter]
+        base = lengths_of_studies.bases[entry]
         summary = repeated.length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}

@@ -109,7 +109,8 @@ def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
 
 def from_dataset(dataset: xr.Dataset) -> Covariates:
     """Read covariates from a dataset made by `as_dataset`."""
-    means, covariance = dataset.known_mean.values, dataset.known_covariance.values
+    means = dataset.known_mean.values
+    covariance = dataset.known_covariance.values
     known = Known(means, covariance, int(dataset.attrs["surfaces"]))
     return Covariates(dataset.covariate_value.values, known)
 
@@ -143,7 +144,9 @@ class Response(NamedTuple):
         self, significance: float, surfaces: int | None = None
     ) -> PairedInterval | IndifferenceInterval:
         """Compute the indifference interval [SI] by its test, for another number of surfaces."""
-        about, levels, base = (significance, self.base), self.levels, self.base
+        about = (significance, self.base)
+        levels = self.levels
+        base = self.base
         if self.paired:
             samples = np.ascontiguousarray(self.samples)  # one order of sums, whatever was selected
             return paired_indifference_interval(levels, samples, *about, surfaces=surfaces)
@@ -231,7 +234,8 @@ def responses(
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
     """Return targets of all cases of a rock, for realisations with all of them."""
     cases = np.flatnonzero((study.rock == rock).values)
-    names, values = [], []
+    names = []
+    values = []
     for name, variable in variables.items():
         part = variable.transpose("case", "realization", "cycle").values[cases]
         names += [(name, int(cycle)) for cycle in study.cycle.values]

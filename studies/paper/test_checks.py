@@ -36,7 +36,8 @@ TINY = {
 def tiny_study(flow: bool) -> xr.Dataset:
     """A study of the first two cases, put together."""
     study = study_of(TINY, {"flow": flow})
-    first, names = cases_of(study)[:2], names_of_case(flow)
+    first = cases_of(study)[:2]
+    names = names_of_case(flow)
     points = [case_point(study, case, range(3)) for case in first]
     closed = [of_case(close_joints(point, point.walls(), names)) for point in points]
     scenes = [part.attrs["scene"] for part in closed]
@@ -216,7 +217,8 @@ RESIDUAL, VOLUME = "largest_residual", "volume_error"
     ],
 )
 def test_one_joint_beyond_a_limit_fails_one_check_unless_the_joint_failed(studies, name, good, bad):
-    numerics, failed = study_of(TINY).numerics, {}
+    numerics = study_of(TINY).numerics
+    failed = {}
     for value in (good, bad):
         study = studies[True].copy(deep=True)
         cycle = {"cycle": 0} if "cycle" in study[name].dims else {}

@@ -70,7 +70,8 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(of_true):
     # |e(E)| - |e(sigma_c)| of the world on its second cycle
     np.testing.assert_allclose(of_claim.value, 0.4, atol=5.0 * of_claim.standard_error.max())
     assert ((of_claim.low < of_claim.value) & (of_claim.value < of_claim.high)).all()
-    shares, errors = table.found_share.dropna(), table.found_error.dropna()
+    shares = table.found_share.dropna()
+    errors = table.found_error.dropna()
     np.testing.assert_allclose(errors, np.sqrt(shares * (1.0 - shares) / 200))
 
 
@@ -136,7 +137,8 @@ def test_a_study_finds_what_is_plainly_true(of_true, number, stated):
     ],
 )
 def test_lengths_without_an_end_rank_nothing_before_those_with_one(lengths, found):
-    levels, none = np.array([0.5, 1.0, 1.5]), np.full((1, 1, 3), np.nan)
+    levels = np.array([0.5, 1.0, 1.5])
+    none = np.full((1, 1, 3), np.nan)
     names = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
     drawn = {
         ("slate", name): DrawnResponse(levels, 1.0, none, none, np.array([[0.01 * length]]))
@@ -181,7 +183,8 @@ TRENDS = ["5a", "5a, net", "5b"]
 
 def test_with_ten_levels_a_trend_is_found_more_often_than_with_three():
     common = {"study": {"draws": "common"}}  # so that the pools have the same trends
-    three, ten = study_of(THREE_LEVELS, common), study_of(MANY_LEVELS, common)
+    three = study_of(THREE_LEVELS, common)
+    ten = study_of(MANY_LEVELS, common)
     assert len(ten.rocks["dolerite"].levels["youngs_modulus"]) == 10
     tables = [both_tables(world(c), world(c))[0] for c in (three, ten)]
     fewer, more = (table.found_share[TRENDS] for table in tables)
@@ -218,7 +221,8 @@ def test_a_response_that_turns_within_the_levels_is_no_trend():
 
 
 def test_three_levels_are_judged_by_their_own_means():
-    levels, means = np.array([1.0, 3.0, 4.0]), np.array([[0.1, 0.3, 0.7]])
+    levels = np.array([1.0, 3.0, 4.0])
+    means = np.array([[0.1, 0.3, 0.7]])
     three, smoothed = smoothed_by_all_levels(levels, means, 3.0)
     np.testing.assert_array_equal(three, levels)
     np.testing.assert_array_equal(smoothed, means)

@@ -102,7 +102,8 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
     found = predictive(pool, Design(), 400, 1, pools=20)
     table = predictive_table(found, PAPER).set_index(["parameter", "cycle"])
     assert len(table) == 8
-    strong, weak = table.loc["youngs_modulus", 2], table.loc["poisson_ratio", 1]
+    strong = table.loc["youngs_modulus", 2]
+    weak = table.loc["poisson_ratio", 1]
     assert strong.low_95 < strong.low_90 < strong["median"] < strong.high_90 < strong.high_95
     assert strong["median"] == pytest.approx(3.7, rel=0.3)  # GPa
     assert strong.null_p < 0.01 < strong.p
@@ -207,7 +208,8 @@ def test_the_misfit_is_the_root_mean_square_of_the_differences_of_closures():
 
 
 def test_each_cycle_has_its_own_best_and_all_together_one_and_none_that_failed():
-    one, two = like(0, 1), like(2, 2)
+    one = like(0, 1)
+    two = like(2, 2)
     both = MeasuredCurve(*(np.concatenate(pair) for pair in zip(one, two, strict=True)))
     table = fit_table(study(), {"one": both}, SEATING)
     assert table.cycle.tolist() == ["1", "2", "all"]
@@ -290,7 +292,8 @@ def test_indifference_intervals_cover_those_of_the_finest_numerics(draws):
     whole = refined(slate(2000, 1, draws, -1.1), 2000)
     known = ((r, r.interval(0.05, 100)) for r in responses(whole, TARGET))
     truth = {r.cycle: 100.0 * interval.length / r.base for r, interval in known}
-    wish, covered = Accuracy(within=0.5, of="interval"), []
+    wish = Accuracy(within=0.5, of="interval")
+    covered = []
     for seed in range(4 if draws == "common" else 8):
         finest = refined(slate(100, 50 + seed, draws, -1.1), 20, seed=seed)
         table = reached_table(slate(100, 50 + seed, draws), finest, wish, 0.05)

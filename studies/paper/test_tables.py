@@ -100,7 +100,8 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
     study.attrs = {"references": "the paper"} | provenance(KEYS)
     checks = pd.DataFrame([PASSED, FAILED], columns=COLUMNS)
     tables = {"max_closure": max_closure_table(study), "checks": checks}
-    paper, schema = read_csv(PAPER_TABLE_3), json_schema(model())
+    paper = read_csv(PAPER_TABLE_3)
+    schema = json_schema(model())
     shown = report.content(report.Material(study, tables, paper, DEFAULT, schema, {}))
     row = shown["frames"]["in_short"].iloc[0, 1:]
     base = tables["max_closure"].query("parameter == 'base' and rock == 'slate'").set_index("cycle")
@@ -171,7 +172,8 @@ def test_covariates_are_those_of_the_walls_that_were_closed():
             np.testing.assert_array_equal(values[i, j], expected)
             # of 480 cells 1 % end between the fourth and fifth highest, 5 % at the 24th
             highest = np.sort((upper + lower).ravel())[::-1]
-            depth, at_five = highest[0] - highest[[3, 4]], highest[0] - highest[23]
+            depth = highest[0] - highest[[3, 4]]
+            at_five = highest[0] - highest[23]
             assert depth[0] <= z2 * expected[0] <= depth[1]
             assert z2 * expected[1] == pytest.approx(at_five, rel=1e-12)
 
@@ -208,7 +210,8 @@ def test_covariates_come_back_from_their_file(tmp_path):
     np.testing.assert_array_equal(again.values, values)
     for one, other in zip(again.known, known, strict=True):
         np.testing.assert_array_equal(one, other)
-    first, later = again.of_cycle(1), again.of_cycle(2)
+    first = again.of_cycle(1)
+    later = again.of_cycle(2)
     assert (first.values.shape[-1], later.values.shape[-1]) == (2, 1)
     assert first.known.means.tolist() == known.means[:2].tolist()
     assert later.known.covariance.tolist() == [[known.covariance[2, 2]]]
@@ -239,7 +242,8 @@ def require_checks(table, note):
 
 
 def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path):
-    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
+    table = tmp_path / "checks.csv"
+    note = tmp_path / "checks_passed.txt"
     pd.DataFrame([PASSED, FAILED], columns=COLUMNS).to_csv(table, index=False)
     with pytest.raises(SystemExit):
         require_checks(table, note)

@@ -6,17 +6,17 @@ from collections.abc import Iterator
 from jointclosure.inputs import InputError
 from jointclosure.walls.synthesis import spectrum_of
 from studies.frame.configuration import Configuration, StudySection
-from studies.frame.keys import Ascending, Name, Positive, Section, Surface, entry
+from studies.frame.keys import Ascending, Name, Positive, Section, SurfaceSynthesis, entry
 
 
 class SizeSpectrum(Section):
     """Spectrum of the walls of a study of the scale effect; as in `surface`."""
 
-    hurst: float = Surface.model_fields["hurst"]  # type: ignore[assignment]
-    roll_off: float | None = Surface.model_fields["roll_off"]  # type: ignore[assignment]
+    hurst: float = SurfaceSynthesis.model_fields["hurst"]  # type: ignore[assignment]
+    roll_off: float | None = SurfaceSynthesis.model_fields["roll_off"]  # type: ignore[assignment]
 
 
-class Size(StudySection):
+class SizeSection(StudySection):
     """Design of a study of the scale effect (size.yaml): patches cut out of larger walls,
     and sampled at several spacings."""
 
@@ -43,8 +43,10 @@ class Size(StudySection):
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
         """Generate sizes that do not fit into one another, and walls that cannot be closed."""
-        grid, surface = configuration.grid, configuration.surface
-        finest, largest = self.spacing[0], self.patch[-1]
+        grid = configuration.grid
+        surface = configuration.surface
+        finest = self.spacing[0]
+        largest = self.patch[-1]
         for spacing in self.spacing:
             if not _whole(spacing / finest):
                 yield f"size.spacing_mm = {1e3 * spacing:g}: must be a multiple of {1e3 * finest:g}"

@@ -24,11 +24,11 @@ from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Grid
-from studies.frame.panels import Column, Row, panels
+from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.frame.tables import gridded
-from studies.size.section import Size
+from studies.size.section import SizeSection
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
 """Quantities of the pristine walls."""
@@ -128,7 +128,8 @@ def spreads(predictors: np.ndarray, response: np.ndarray) -> tuple[float, float]
     halves = np.arange(response.shape[1]) % 2
     both = []
     for half in (0, 1):
-        fitted, tested = halves != half, halves == half
+        fitted = halves != half
+        tested = halves == half
         powers = exponents_of(predictors[..., fitted], response[:, fitted])
         rest = response[:, tested] - np.tensordot(powers, predictors[..., tested], axes=1)
         both.append([_mean_square(response[:, tested]), _mean_square(rest)])
@@ -144,13 +145,15 @@ def _mean_square(values: np.ndarray) -> float:
 def collapse_of(predictors: np.ndarray, response: np.ndarray) -> Collapse:
     """Fit exponents and evaluate their effect, with errors; arguments as for `spreads`."""
     before, after = spreads(predictors, response)
-    powers, shares = [], []
+    powers = []
+    shares = []
     for kept in ~np.eye(response.shape[1], dtype=bool):
         one = predictors[..., kept], response[:, kept]
         powers.append(exponents_of(*one))
         first, second = spreads(*one)
         shares.append(1.0 - second / first)
-    errors, left = np.array(list(map(jackknife_error, np.transpose(powers)))), max(after, 0.0)
+    errors = np.array(list(map(jackknife_error, np.transpose(powers))))
+    left = max(after, 0.0)
     removed = 1.0 - after / before, float(jackknife_error(shares))
     return Collapse(exponents_of(predictors, response), errors, *removed, float(np.sqrt(left)))
 
@@ -186,9 +189,11 @@ def _row(joints: xr.Dataset, groups: np.ndarray, names: tuple[str, ...]) -> dict
     surfaces = joints.sizes["realization"]
     if surfaces < FEWEST:
         return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(NUMBERS, np.nan)
-    predictors, response = predictors_of(joints, names), joints.response.values
+    predictors = predictors_of(joints, names)
+    response = joints.response.values
     fit = collapse_of(centred(predictors, groups), centred(response, groups))
-    every, given = np.arange(surfaces), (joints, predictors, groups, _largest(joints))
+    every = np.arange(surfaces)
+    given = (joints, predictors, groups, _largest(joints))
     off, *left_out = (
         _off(*given, chosen)
         for chosen in (every, *(np.delete(every, surface) for surface in every))
@@ -214,10 +219,13 @@ def _off(
     surfaces: np.ndarray,
 ) -> float:  # fmt: skip
     """Compute the rms error [logarithm] of the largest patch, predicted by fits without it."""
-    (large, small), response, squares = pairs, joints.response.values, []
+    large, small = pairs
+    response = joints.response.values
+    squares = []
     smaller = np.flatnonzero(joints.patch < joints.patch.max())
     for half in (0, 1):
-        fitted, tested = surfaces[half::2], surfaces[1 - half :: 2]
+        fitted = surfaces[half::2]
+        tested = surfaces[1 - half :: 2]
         few = np.ix_(smaller, fitted)
         powers = exponents_of(
             centred(predictors[:, few[0], few[1]], groups[smaller]),
@@ -250,10 +258,12 @@ def nested(
     spacing ``base`` [m]. A coarser grid has every second (or fourth) cell.
     """
     cells, finest = whole
-    grid, surface = settings.grid, settings.surface
+    grid = settings.grid
+    surface = settings.surface
     large = settings._replace(grid=grid._replace(cells_x=cells, cells_y=cells, spacing=finest))
     z2 = z2_of_jrc(settings.case.jrc, base, surface.hurst, surface.jrc_relation)
-    coarse, step = round(base / finest), round(grid.spacing / finest)
+    coarse = round(base / finest)
+    step = round(grid.spacing / finest)
     side = grid.cells_x * step
     part = slice(position * side, (position + 1) * side, step)
     for pair in walls_of(large):
@@ -264,8 +274,10 @@ def nested(
 
 def size_jobs(study: Configuration) -> dict[str, list[Point]]:
     """Make a job for each rock and spectrum: all patches of all walls at all spacings."""
-    design, base = study.section(Size), study.grid
-    finest, longest = design.spacing[0], design.patch[-1]
+    design = study.section(SizeSection)
+    base = study.grid
+    finest = design.spacing[0]
+    longest = design.patch[-1]
     walls = {"whole": [round(longest / finest), finest], "base": base.spacing}
     jobs: dict[str, list[Point]] = {}
     for rock, (name, spectrum) in itertools.product(study.rocks, design.spectra.items()):
@@ -283,7 +295,7 @@ def size_jobs(study: Configuration) -> dict[str, list[Point]]:
     return jobs
 
 
-def sizes_of(design: Size, base: float) -> Iterator[tuple[float, float]]:
+def sizes_of(design: SizeSection, base: float) -> Iterator[tuple[float, float]]:
     """Generate the patches and spacings [m] with few cells, or at the spacing of the base."""
     for patch, spacing in itertools.product(design.patch, design.spacing):
         if round(patch / spacing) <= design.most_cells or spacing == base:
@@ -337,7 +349,8 @@ def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.
                 column, scale = COLUMNS[name]
                 logs = logs_of(run, name, cycle)
                 here = _at(logs, (patch, spacing))
-                known, ratio = here[np.isfinite(here)], _ratio(here, _at(logs, base))
+                known = here[np.isfinite(here)]
+                ratio = _ratio(here, _at(logs, base))
                 row[column] = scale * float(np.exp(known.mean())) if known.size else np.nan
                 row |= {f"{column}_ratio": ratio.value, f"{column}_error": ratio.standard_error}
             rows.append(row)
@@ -444,7 +457,7 @@ def tabulate_laws(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataF
 
 def settings_of_tables(study: Configuration) -> dict[str, Any]:
     """Return what the tables and the figure read of a study [SI]."""
-    spectra = study.section(Size).spectra
+    spectra = study.section(SizeSection).spectra
     return {
         "base": base_of(study.grid),
         "hursts": {name: spectrum.hurst for name, spectrum in spectra.items()},
@@ -471,8 +484,10 @@ def draw_size(tables: Tables, settings: Mapping[str, Any]) -> Figure:
         for name, length in zip(("patch_mm", "spacing_mm"), settings["base"], strict=True)
     )
     columns = [
-        Column("patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"),
-        Column("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
+        PanelColumn(
+            "patch_mm", "spectrum", {"spacing_mm": spacing}, "log", f"spacing {spacing:g} mm"
+        ),
+        PanelColumn("spacing_mm", "spectrum", {"patch_mm": side}, "log", f"patch {side:g} mm"),
     ]
     titles = {}
     for name, roll_off in settings["roll_offs"].items():

@@ -58,7 +58,8 @@ def test_ratios_are_of_pairs_of_the_same_walls(run):
 def power_law(power, bend=0.0, surfaces=6):
     """A run whose readings go as powers of the patch, bent or not, and of the rms height."""
     random = np.random.default_rng(3)
-    patch, spacing = np.array([1e-3, 2e-3, 4e-3]), np.array([1e-4, 2e-4])
+    patch = np.array([1e-3, 2e-3, 4e-3])
+    spacing = np.array([1e-4, 2e-4])
     over = ("spectrum", "patch", "spacing", "position", "realization")
     own = np.exp(0.3 * random.standard_normal((1, 1, 1, 1, surfaces)))
     size = np.log(patch / patch[0])[None, :, None, None, None]
@@ -141,7 +142,8 @@ def test_a_size_that_means_nothing_removes_nothing_of_surfaces_not_fitted():
         noise = scale.centred(random.standard_normal((5, *response.shape)), np.zeros(9))
         before, after = scale.spreads(np.concatenate([predictors, noise]), response)
         removed.append(1.0 - after / before)
-    mean, error = np.mean(removed), np.std(removed) / np.sqrt(len(removed))
+    mean = np.mean(removed)
+    error = np.std(removed) / np.sqrt(len(removed))
     assert -0.2 < mean < 2.0 * error
 
 

@@ -41,7 +41,7 @@ from studies.verification.judged import Judge, JudgedSolver
 _LENGTHS = ("displacement_step", "breakage_step")
 
 
-class Outcome(NamedTuple):
+class CaseOutcome(NamedTuple):
     """Outcome of a case: the dataset (None if refused), and measurements."""
 
     case: dict
@@ -57,7 +57,8 @@ class Outcome(NamedTuple):
 def merged_cases(study: dict) -> dict[str, dict]:
     """Return cases by name, merged over the defaults, in SI; one for each way of breakage."""
     validated(HardCasesKeys, study, "hard cases")
-    cases, keys = {}, case_keys(study["defaults"])
+    cases = {}
+    keys = case_keys(study["defaults"])
     for case in study["cases"]:
         alone = merged(study["defaults"], case)
         validated(keys, alone, f"hard cases: {case.get('name')}")
@@ -80,12 +81,12 @@ def merged_cases(study: dict) -> dict[str, dict]:
     return cases
 
 
-def run_case(case: dict) -> Outcome:
+def run_case(case: dict) -> CaseOutcome:
     """Close and judge a case's joint and measure the time; the result is kept for the process."""
     return _run(json.dumps(case, sort_keys=True))
 
 
-def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
+def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[str]:
     """List the requirements that do not hold for a case, one line each."""
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
@@ -94,9 +95,11 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
     return failed
 
 
-def row_of(outcome: Outcome, failed: list[str]) -> dict:
+def row_of(outcome: CaseOutcome, failed: list[str]) -> dict:
     """Return the row of the table for a case."""
-    case, data, worst = outcome.case, outcome.dataset, outcome.judge.worst
+    case = outcome.case
+    data = outcome.dataset
+    worst = outcome.judge.worst
     return {
         **{name: case[name] for name in ("name", "group", "hard", "must_hold")},
         "expected": case["expect"],
@@ -119,7 +122,8 @@ def features_of_case(case: dict) -> dict[str, float]:
     """Close copies of a case's joint, one if they take long, and return its `FEATURES`."""
     if case["expect"] == "refused" or case["closure"] is not None:
         return dict.fromkeys(FEATURES, math.nan)
-    setting, name = _setting(case), "as stated"
+    setting = _setting(case)
+    name = "as stated"
     upper, lower = setting.pop("walls")
     load = load_of(case, _target(case, upper, lower, setting))
     conditions = Conditions(seating_stress=0.0, unusual_values=True, **setting, **load).checked()
@@ -127,9 +131,10 @@ def features_of_case(case: dict) -> dict[str, float]:
     return features_of(closures_of(copies, name, {name: conditions}, [(upper, lower)]), name, name)
 
 
-def _measured(outcome: Outcome) -> dict[str, float]:
+def _measured(outcome: CaseOutcome) -> dict[str, float]:
     """Return the closures of a case for its row; NaN without cycles."""
-    data, target = outcome.dataset, outcome.target
+    data = outcome.dataset
+    target = outcome.target
     none = dict.fromkeys(("max_closure_1_m", "max_closure_last_m"), math.nan)
     row = none | {"residual_closure_last_m": math.nan, "target_Pa": target}
     row["max_stress_Pa"] = math.nan if data is None else float(np.max(data.normal_stress.values))
@@ -158,7 +163,7 @@ def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
 
 
 @lru_cache(maxsize=None)
-def _run(frozen: str) -> Outcome:
+def _run(frozen: str) -> CaseOutcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
         for kernel in kernels_of([_model(case)]):
@@ -167,9 +172,11 @@ def _run(frozen: str) -> Outcome:
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))
     model = (setting[name] for name in ("spacing", "rock", "effects", "choices"))
-    given = oracle.Joint(*walls, *model)
+    given = oracle.PristineJoint(*walls, *model)
     judge = Judge(given, tolerances_of(case))
-    dataset, message, target = None, "", math.nan
+    dataset = None
+    message = ""
+    target = math.nan
     start = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -188,20 +195,23 @@ def _run(frozen: str) -> Outcome:
             bits = int(dataset.status)
             status = " ".join(name for bit, name in FLAGS.items() if bits & bit) or "success"
         except InputError as error:
-            status, message = "refused", str(error)
+            status = "refused"
+            message = str(error)
     seconds = time.perf_counter() - start
     if case["closure"] is not None and dataset is not None and int(dataset.status) < FAILURE:
         total = float(dataset.normal_stress) * upper.size * setting["spacing"] ** 2
         force = dataset.force.values
         judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
     warned = [f"{w.category.__name__}: {w.message}" for w in caught]
-    return Outcome(case, dataset, target, status, message, seconds, warned, judge)
+    return CaseOutcome(case, dataset, target, status, message, seconds, warned, judge)
 
 
 def _setting(case: dict) -> dict:
     """Return walls and arguments of `simulate` of a case, with lengths and stresses scaled."""
-    lengths, stresses = case["scale_lengths"], case["scale_stresses"]
-    walls, spacing = case["walls"], case["spacing"]
+    lengths = case["scale_lengths"]
+    stresses = case["scale_stresses"]
+    walls = case["walls"]
+    spacing = case["spacing"]
     stated = (walls[name] for name in ("height", "jrc", "seed"))
     made = hard_walls(walls["kind"], walls["cells"], spacing, *stated)
     offsets = zip(made, walls["offset"], strict=True)
@@ -213,7 +223,8 @@ def _setting(case: dict) -> dict:
 
     rocks = [scaled(rock) for rock in (case["rock"], case["lower_rock"] or case["rock"])]
     if case["swapped"]:
-        pair, rocks = pair[::-1], rocks[::-1]
+        pair = pair[::-1]
+        rocks = rocks[::-1]
     effects, choices, numerics = _model(case)
     steps = {
         name: lengths * value
@@ -281,7 +292,8 @@ def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
 
 def _judged(outcome) -> list[str]:
     """Check the oracle's numbers."""
-    worst, limits = outcome.judge.worst, outcome.judge.limits
+    worst = outcome.judge.worst
+    limits = outcome.judge.limits
     if not worst:
         return [] if int(outcome.dataset.status) >= FAILURE else ["the oracle saw no state"]
     above = (name for name in limits if not worst[name] <= limits[name])
@@ -290,7 +302,8 @@ def _judged(outcome) -> list[str]:
 
 def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
     """Check the dataset itself: finite, on target, unloaded to 0."""
-    data, failed = outcome.dataset, []
+    data = outcome.dataset
+    failed = []
     cycles = load_cycles(**load_of(outcome.case, outcome.target)) if "step" in data.sizes else ()
     turns = np.array([0.0, *(load.minimum for load in cycles)])
     opened = np.maximum(turns[:-1], turns[1:]) == 0.0  # others have no closures since seating
@@ -300,7 +313,8 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
             failed.append(f"{name} is not finite")
     if not cycles:
         return failed
-    near, short = tolerances["target"], False
+    near = tolerances["target"]
+    short = False
     for cycle, (target, minimum) in enumerate(cycles, start=1):
         stress = data.normal_stress.values[data.load_cycle.values == cycle]
         short |= bool(stress.max() < target * (1.0 - near))
@@ -330,9 +344,11 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
 
 def _same_as(data: xr.Dataset, asked: dict, other: xr.Dataset, factor: float) -> float:
     """Return the largest difference from closures of another case, times the factor of lengths."""
-    size, off = np.abs(other.max_closure.values).max() * factor, 0.0
+    size = np.abs(other.max_closure.values).max() * factor
+    off = 0.0
     for name in ("max_closure", "residual_closure"):
-        mine, theirs = data[name].values, factor * other[name].values
+        mine = data[name].values
+        theirs = factor * other[name].values
         off = max(off, float(np.abs(mine[: theirs.size] - theirs[: mine.size]).max()) / size)
     return off
 
@@ -364,7 +380,7 @@ EXTRA: dict[str, tuple[Callable[..., Any], str]] = {
 that the number is 0 (or not), at most ``within``, or from ``least`` to ``most``."""
 
 
-def _extra(outcome: Outcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
+def _extra(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
     """Check a requirement of a single case."""
     number, words = EXTRA[name]
     compared: tuple = ()

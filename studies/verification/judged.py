@@ -21,8 +21,9 @@ class Judge:
     judged states.
     """
 
-    def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
-        self._given, self._tolerances = given, tolerances
+    def __init__(self, given: oracle.PristineJoint, tolerances: dict[str, float]):
+        self._given = given
+        self._tolerances = tolerances
         self.worst: dict[str, float] = {}
         self.limits: dict[str, float] = {}
         self.states = 0
@@ -31,9 +32,11 @@ class Judge:
         verdict = oracle.judge(self._given, state)
         limits = limits_of(verdict, self._given.effects, self._tolerances)
         for name, value in verdict._asdict().items():
-            limit, worst = limits.get(name, 0.0), self.worst.get(name, -np.inf)
+            limit = limits.get(name, 0.0)
+            worst = self.worst.get(name, -np.inf)
             if not _share(value, limit) <= _share(worst, self.limits.get(name, 0.0)):
-                self.worst[name], self.limits[name] = value, limit
+                self.worst[name] = value
+                self.limits[name] = limit
         self.states += 1
 
 
@@ -46,7 +49,8 @@ class JudgedSolver:
     """Solver whose states at rest are all judged."""
 
     def __init__(self, inner, judge: Judge):
-        self._inner, self._show = inner, judge
+        self._inner = inner
+        self._show = judge
         self._seen = 0
         self.elastic_curve = self._elastic_curve if inner.elastic_curve else None
         self.predict = inner.predict

@@ -22,7 +22,7 @@ def at_rest(choices):
     joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
     for closure in np.arange(1, 21) * 12.5e-6:
         answer = solver_named("fast").settle(joint, float(closure), 5e-6)
-    given = oracle.Joint(*walls, SPACING, DOLERITE, effects, choices)
+    given = oracle.PristineJoint(*walls, SPACING, DOLERITE, effects, choices)
     state = oracle.State(joint.upper, joint.lower, joint.force, answer.closure, answer.total_force)
     return given, state
 
@@ -126,7 +126,8 @@ def test_a_number_that_is_only_reported_hides_no_other_beyond_its_limit():
 
 def test_influence_agrees_near_and_far_and_with_the_printed_form():
     table = oracle.influence((3, 40), 1.0, 0.5, 1.0)
-    zeta, r = np.arange(1.0, 40.0), 0.5
+    zeta = np.arange(1.0, 40.0)
+    r = 0.5
     bracket = (2 * r**2 - zeta**2) * np.arcsin(r / zeta) + r * np.sqrt(zeta**2 - r**2)
     np.testing.assert_allclose(table[0, 1:], 3 / (4 * np.pi * r**3) * bracket, rtol=1e-9)
     np.testing.assert_allclose(

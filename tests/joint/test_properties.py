@@ -101,7 +101,7 @@ def closed(problem, cycles):
     walls = [wall - height_datum(wall) for wall in problem["walls"]]
     given = [problem[name] for name in ("spacing", "rock", "effects", "choices")]
     tolerances = tolerances_of(problem["effects"], problem["numerics"])
-    judge, stated = Judge(oracle.Joint(*walls, *given), tolerances), dict(problem)
+    judge, stated = Judge(oracle.PristineJoint(*walls, *given), tolerances), dict(problem)
     history = close_walls(
         *stated.pop("walls"),
         Conditions(**stated, seating_stress=0.0, cycles=cycles),

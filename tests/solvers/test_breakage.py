@@ -218,7 +218,7 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     )
     load = np.zeros(upper.size)
     load[cells] = np.where(np.isinf(limit), 0.0, limit)
-    given = oracle.Joint(upper, lower, SPACING, rock, Effects(), choices)
+    given = oracle.PristineJoint(upper, lower, SPACING, rock, Effects(), choices)
     state = oracle.State(upper, lower, load.reshape(upper.shape), 3e-4, load.sum())
     pressure = oracle.pressures_over_limit(given, state)
     np.testing.assert_allclose(pressure.ravel()[cells][np.isfinite(limit)], 1.0, rtol=1e-9)

@@ -57,7 +57,7 @@ def test_forces_and_gaps_are_complementary(solver, small_joint, closure, soft_pe
     found = balanced(small_joint, closure, **about, **exact)
     force = found.force.values
     assert force.min() >= 0.0
-    joint = oracle.Joint(*small_joint, SPACING, DOLERITE, effects, Choices())
+    joint = oracle.PristineJoint(*small_joint, SPACING, DOLERITE, effects, Choices())
     state = oracle.State(*small_joint, force, closure, force.sum())
     assert oracle.judge(joint, state).residual < 1e-9  # 1e-4 of the smallest force is more
     assert found.normal_stress == pytest.approx(force.sum() / (force.size * SPACING**2))
@@ -215,14 +215,14 @@ def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypat
     """Started from half of the cells, the curve is the same."""
     walls = pair(60, 4)
     curve = curve_of(walls)
-    predicted = elastic._predicted
+    predicted = elastic._starting_point
 
     def halved(*given):
         point = predicted(*given)
         point.force[::2], point.gap[:] = 0.0, np.nan
         return point
 
-    monkeypatch.setattr(elastic, "_predicted", halved)
+    monkeypatch.setattr(elastic, "_starting_point", halved)
     from_half = curve_of(walls)
     assert int(from_half.solver_iterations) > int(curve.solver_iterations)
     np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)

@@ -9,8 +9,8 @@ import jointclosure as jc
 from jointclosure.statistics import indifference
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic, lack_of_fit
 from jointclosure.statistics.indifference import (
-    _largest_by_isolation,
-    _largest_of_quartics,
+    _largest_isolated_roots,
+    _largest_quartic_roots,
     bootstrap_length,
     indifference_lengths,
     interval_of_lengths,
@@ -307,8 +307,8 @@ def test_outermost_minima_give_the_root_that_isolation_of_all_roots_gives(decade
     mean, deviation = Quadratic(b, c, 0.0, 0.0, 1.0), Quadratic(bs, cs, np.abs(ds), 0.0, 1.0)
     quartics = quartic(mean, deviation, 20, 2.02).T[:, ::-1]
     with np.errstate(all="ignore"):
-        roots, certain = _largest_of_quartics(quartics)
-    expected = _largest_by_isolation(quartics)
+        roots, certain = _largest_quartic_roots(quartics)
+    expected = _largest_isolated_roots(quartics)
     assert certain.mean() > 0.85
     assert 0.0 < np.isnan(expected).mean() < 0.5
     np.testing.assert_allclose(roots[certain], expected[certain], rtol=1e-9)

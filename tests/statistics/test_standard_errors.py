@@ -174,6 +174,7 @@ def test_frequencies_are_shares_and_the_error_of_their_pool_widens_them():
         assert alone.standard_error == pytest.approx(exact)
         assert with_pool.standard_error == pytest.approx(np.hypot(exact, 0.2))
     assert with_pool.low == pytest.approx(1.0 - 2.0 * 0.2)
+    assert verdicts.frequency(0, 50, 0.2).high == pytest.approx(2.0 * 0.2)
     with pytest.raises(ValueError, match="low <= high"):
         verdicts.verdict((0.2, 0.1), 0.0)
 

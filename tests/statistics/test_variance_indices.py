@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.statistics.variance_indices import (
-    _shares,
+    _shapley_values,
     design_matrix,
     fitted,
     part_of,
@@ -104,7 +104,7 @@ def test_shapley_effects_of_many_inputs_are_those_of_the_definition():
     coefficients = random.standard_normal(len(terms_of(values)))
     found = shapley_effects(values, coefficients, correlations, draws=2**15)
     assert found.sum() == pytest.approx(1.0)
-    defined = _shares(
+    defined = _shapley_values(
         range(4), values, range(len(coefficients)), coefficients, correlations, draws=2**15
     )
     np.testing.assert_allclose(found, defined / defined.sum(), atol=0.02)

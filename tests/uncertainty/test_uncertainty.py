@@ -20,6 +20,8 @@ from jointclosure.uncertainty.budget import (
     QUANTITIES,
     SHARED,
     VM,
+    WIDENED,
+    WIDENED_LATER,
     Budget,
     Source,
     bands_of,
@@ -170,6 +172,29 @@ def test_a_band_is_as_wide_as_the_range_of_the_same_results():
     for number in ("low", "high"):
         expected = np.array([0.0, 0.5, 1.0]) * ends[number]
         np.testing.assert_allclose(bands[f"{name}_{number}"], expected, rtol=1e-12, atol=1e-12)
+
+
+def test_ranges_of_later_cycles_and_of_apertures_are_wider_and_bands_as_well():
+    """By the factors that pairs of known truth needed, on the scale of the range."""
+    sources, shares, further, names, values = of_equal_departures()
+    results = pd.concat(
+        pd.DataFrame({"cycle": cycle, "source": names} | dict.fromkeys(QUANTITIES, values))
+        for cycle in (1, 2)
+    )
+    widths = np.log(ranges_of(results, sources, shares, further)[["low", "high"]].astype(float))
+    half = widths.high - widths.low
+    aperture = "mean_aperture_at_max_mm"
+    assert half[2, CLOSURE] == pytest.approx(WIDENED_LATER * half[1, CLOSURE])
+    assert half[1, aperture] == pytest.approx(WIDENED["aperture"] * half[1, CLOSURE])
+    assert half[2, aperture] == pytest.approx(half[1, aperture])
+    place, name = {"cycle": 1, "branch": "loading"}, "mean_aperture_mm"
+    curves = [
+        pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
+        for stress, part in ((0.5, 3.0), (1.0, 2.0), (2.0, 1.0))
+    ]
+    bands = bands_of(pd.concat(curves), sources, shares, further)
+    of_band = np.log(bands[f"{name}_high"] / bands[f"{name}_low"])
+    np.testing.assert_allclose(of_band, half[1, aperture], rtol=1e-9)
 
 
 def test_a_band_of_stiffness_is_a_curve_without_steps():

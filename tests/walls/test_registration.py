@@ -32,7 +32,7 @@ EXAMPLES = settings(max_examples=8, deadline=None, derandomize=True)
 def few_rotations(request, monkeypatch):
     """Compare walls every 30 degrees, except in tests of walls that were turned."""
     if not {"number", "two_walls"} & set(request.fixturenames):
-        monkeypatch.setattr(motion, "STEP", 30.0)
+        monkeypatch.setattr(motion, "ROTATION_STEP", 30.0)
 
 
 @pytest.fixture(scope="module")
@@ -511,6 +511,6 @@ def test_the_walls_of_a_published_fracture_are_laid_together_at_any_angle(name, 
     found = registered(Cloud(upper.points @ (over @ turn)), lower, 1e-3)
     assert found.orientation == name
     angle = abs(found.mated.angle - right.mated.angle)
-    assert angle == pytest.approx(degrees, abs=4.0 * found.mated.errors()[0])
+    assert angle == pytest.approx(degrees, abs=4.0 * found.mated.standard_errors()[0])
     assert found.correlation == pytest.approx(right.correlation, abs=0.005)
     assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.05)

@@ -18,7 +18,7 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.effect_names import without
+from jointclosure.assessment.effect_names import lacks_effects, without
 from jointclosure.compilation.sources import code_digest
 from jointclosure.ensembles.joints import Reading, close_joint
 from jointclosure.execution.cache import digest
@@ -53,7 +53,6 @@ FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_ma
 HARD_CASES = Path(__file__).with_name("hard_cases.csv")
 """Names, difficulties and `FEATURES` of the hard cases that the study verification closed."""
 _VERDICTS = ("not stable", "hard", "easy")
-_EFFECT = "without "
 DROPS = (
     ("gouge",),
     ("breakage", "gouge"),
@@ -107,7 +106,7 @@ class Assessment:
         rows = []
         every = itertools.product(self._seconds.items(), ASSESSED, self._cycles)
         for (variant, seconds), quantity, cycle in every:
-            reference = self.stated if str(variant).startswith(_EFFECT) else self.ladder[-1]
+            reference = self.ladder[-1] if variant in self.ladder else self.stated
             apart = self._apart((variant, reference), cycle, quantity)
             rows.append((variant, reference, seconds, quantity, cycle, *apart))
         return pd.DataFrame(rows, columns=names)
@@ -119,7 +118,7 @@ class Assessment:
         That is `FEATURES` (by the finest setting, but ``unbreakable_share`` as stated, the largest
         of all copies), the ``nearest`` hard case, the ``distance`` to it, and ``oracle_ratio``.
         """
-        of_scene = self.closures[~self.closures.variant.str.startswith(_EFFECT)]
+        of_scene = self.closures[~lacks_effects(self.closures.variant)]
         rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
         return worst_first(pd.DataFrame(rows))
 
@@ -149,11 +148,12 @@ class Assessment:
     def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
         """Format the differences of settings, or of scenes without effects."""
         rows: dict[str, dict[str, str]] = {}
-        for row in self.differences.itertuples():
-            if row.variant.startswith(_EFFECT) == of_effects and row.quantity in quantities:
-                shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
-                text = "reference" if row.variant == row.reference else percent_of(row)
-                shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
+        asked = lacks_effects(self.differences.variant) == of_effects
+        asked &= self.differences.quantity.isin(quantities)
+        for row in self.differences[asked].itertuples():
+            shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
+            text = "reference" if row.variant == row.reference else percent_of(row)
+            shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def verdict(self, variant: str) -> str:
@@ -212,8 +212,10 @@ class Assessment:
         copies = own[own.variant == self.stated]
         features = features_of(own, self.stated, self.ladder[-1])
         nearest, hard, distance = nearest_hard_case(features)
-        share, judged = float(copies.unbreakable_share.max()), float(own.oracle_ratio.max())
-        failed, verdict = own[~(own.status < FAILURE)], "not stable"
+        share = float(copies.unbreakable_share.max())
+        judged = float(own.oracle_ratio.max())
+        failed = own[~(own.status < FAILURE)]
+        verdict = "not stable"
         if len(failed):
             first = failed.iloc[0]
             flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
@@ -242,12 +244,14 @@ class Assessment:
 
     def _limits(self) -> list[str]:
         """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
-        lines, ladder = [], self.ladder
+        lines = []
+        ladder = self.ladder
         for cycle in self._cycles if len(ladder) > 2 else ():
             lasts = {name: self._apart(ladder[-2:], cycle, name) for name in JUDGED}
             known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
             judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
-            coarse, last = self._apart(ladder[-3:-1], cycle, judged), lasts[judged]
+            coarse = self._apart(ladder[-3:-1], cycle, judged)
+            last = lasts[judged]
             limit = {
                 True: "it has a limit within the request",
                 False: "no limit was reached",
@@ -265,7 +269,8 @@ class Assessment:
     def _of_joint(self) -> str:
         """Say which setting a lone joint needs, or what the budget buys."""
         *cheaper, finest = self.ladder
-        budget, seconds = self.budget, self._seconds
+        budget = self.budget
+        seconds = self._seconds
         rows = self.differences[self.differences.quantity.isin(JUDGED)]
         errors = rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
         limited, limit = (errors, self.within) if budget is None else (seconds, budget)
@@ -284,7 +289,8 @@ class Assessment:
 
     def _of_mean(self) -> str:
         """Say how many joints a mean takes to be within the request, or what the budget buys."""
-        finest, budget = self.ladder[-1], self.budget
+        finest = self.ladder[-1]
+        budget = self.budget
         plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
         if not plans and budget is None:
             return f"no mean can be planned, as fewer than two joints closed with {finest}"
@@ -293,7 +299,8 @@ class Assessment:
             return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
         of = "seconds" if budget is None else "half_width"
         name = min(plans, key=lambda name: getattr(plans[name], of))
-        plan, halves = plans[name], []
+        plan = plans[name]
+        halves = []
         further = f", {plan.differences} of them with {finest} too" if name != finest else ""
         for cycle in self._cycles:
             closed = (self._paired((finest, finest), cycle, judged)[0] for judged in JUDGED)
@@ -309,7 +316,8 @@ class Assessment:
 
     def _plan(self, name: str) -> Plan | None:
         """Return the plan of a mean with a setting that all closures of all cycles need."""
-        finest, plans = self.ladder[-1], list[Plan | None]()
+        finest = self.ladder[-1]
+        plans = list[Plan | None]()
         cost = float(self._seconds[name])
         both = cost + float(self._seconds[finest]) if name != finest else 0.0
         for at in itertools.product(self._cycles, JUDGED):
@@ -373,7 +381,9 @@ def assess(
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
-    stated, ladder, variants = variants_of(given._replace(spacing=spacing, flow=False).checked())
+    stated, ladder, variants = assessed_variants(
+        given._replace(spacing=spacing, flow=False).checked()
+    )
     tasks = [
         (name, joint, copy)
         for name, joint in itertools.product(variants, range(len(pairs)))
@@ -391,7 +401,7 @@ def check_request(given: Conditions, within: float = 0.05, budget: float | None 
     given.checked()
 
 
-def variants_of(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
+def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
     """Return the names of the stated variant and of all settings, finest last, and all variants."""
     variants = {"as stated": given}
     if given.effects.breakage:
@@ -438,7 +448,8 @@ def closures_of(
     report: Callable[[float, str], None] = lambda share, variant: None,
 ) -> pd.DataFrame:
     """Return `Assessment.closures` of (variant, joint, copy); what a folder keeps is not closed."""
-    processes, kept = number_of_workers(workers), dict[str, Any]()
+    processes = number_of_workers(workers)
+    kept = dict[str, Any]()
     file = Path(folder) / "closures.jsonl" if folder else None
     for line in file.read_text(encoding="utf-8").splitlines() if file and file.exists() else ():
         if line.endswith("}}"):  # another one was cut off
@@ -458,7 +469,8 @@ def closures_of(
     for kernel in kernels_of({variants[name].model for name, *_ in missing}):
         compile_kernels(*kernel)  # before processes need them, and no part of a measured time
     for done, (at, row) in enumerate(shared(close_joint, asked, processes), start=1):
-        name, key = missing[at][0], keys[missing[at]]
+        name = missing[at][0]
+        key = keys[missing[at]]
         if isinstance(row, Failed):
             if name == stated and isinstance(row.error, InputError):
                 raise row.error  # no scene, and nothing to compare
@@ -499,11 +511,13 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
     """Return the hard case with the most similar features, what is hard on it, and its distance:
     the rms, over the features, of the difference between the shares of hard cases that have less.
     """
-    cases, apart = read_csv(HARD_CASES), []
+    cases = read_csv(HARD_CASES)
+    apart = []
     for name in FEATURES:
         known = np.sort(cases[name].dropna())
         both = np.append(cases[name], features[name])
-        below, upto = np.searchsorted(known, both), np.searchsorted(known, both, "right")
+        below = np.searchsorted(known, both)
+        upto = np.searchsorted(known, both, "right")
         less = np.where(np.isnan(both), np.nan, 0.5 * (below + upto))
         apart.append((less[:-1] - less[-1]) / known.size)
     comparable = np.isfinite(apart).any(axis=0)

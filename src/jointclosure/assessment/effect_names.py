@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import pandas as pd
+
 from jointclosure.parameters import Effects
 
 
@@ -28,6 +30,14 @@ def effects_title(effects: Effects) -> str:
     return f"all but {joined(by_acting[False])}"
 
 
+_WITHOUT = "without "
+
+
 def without(effects: Sequence[str]) -> str:
     """Return the name of a scene from which effects are left out: "without breakage and gouge"."""
-    return f"without {joined(effects)}"
+    return f"{_WITHOUT}{joined(effects)}"
+
+
+def lacks_effects(variants: pd.Series) -> pd.Series:
+    """Return which variants of a scene are ones without effects, by their names (`without`)."""
+    return variants.str.startswith(_WITHOUT)

@@ -91,9 +91,11 @@ class Change(NamedTuple):
 
     def updated(self, changes: np.ndarray) -> "Change":
         """Return the change after pairs of joints (pair, quantity, cycle), where not NaN."""
-        count, mean = np.isfinite(changes).sum(axis=0), np.nan_to_num(_mean(changes))
+        count = np.isfinite(changes).sum(axis=0)
+        mean = np.nan_to_num(_mean(changes))
         squares = WEIGHT * SCATTER**2 + np.nansum((changes - mean) ** 2, axis=0)
-        new, old = count * (WEIGHT + count - 1) / squares, self.deviation**-2.0
+        new = count * (WEIGHT + count - 1) / squares
+        old = self.deviation**-2.0
         with np.errstate(divide="ignore", invalid="ignore"):
             posterior = (new * mean + old * np.nan_to_num(self.mean)) / (new + old)
             return Change(posterior, (new + old) ** -0.5)
@@ -115,7 +117,9 @@ class Pilot:
     longer = LONGER
 
     def __init__(self, pairs: Sequence[Walls], conditions: Conditions, joints: int):
-        self.conditions, self.effects, self.joints = conditions, conditions.effects, joints
+        self.conditions = conditions
+        self.effects = conditions.effects
+        self.joints = joints
         self.closed: dict[Effects, list[SimulatedJoint]] = {}
         self.frozen_seconds = 0.0
         self._pairs = pairs
@@ -129,7 +133,8 @@ class Pilot:
 
     def read(self, joint: SimulatedJoint) -> np.ndarray:
         """Read `_READ` (quantity, cycle) of a joint, NaN if it failed."""
-        row, failed = read_joint(joint, _READ), np.full(self.conditions.cycle_count, np.nan)
+        row = read_joint(joint, _READ)
+        failed = np.full(self.conditions.cycle_count, np.nan)
         return np.array([row.get(name, failed) for name in _READ])
 
     def close(self, walls: Walls, effects: Effects, **changes: Any) -> SimulatedJoint:
@@ -193,12 +198,16 @@ class Pilot:
         self, names: tuple[str, ...], before: Effects, tolerance: float
     ) -> tuple[bool, Change, str]:
         """Test whether effects of a scene can be left out; return this, the change, and why."""
-        fewer, full = before._replace(**dict.fromkeys(names, False)), self.effects
-        first, bound = self.values(full, 1)[0], LOSS * self.joints * self.seconds(full)
+        fewer = before._replace(**dict.fromkeys(names, False))
+        full = self.effects
+        first = self.values(full, 1)[0]
+        bound = LOSS * self.joints * self.seconds(full)
         frozen = "interaction" in names and full.breakage and before == full
         unknown = Change(np.zeros(first.shape), np.full(first.shape, np.inf))
         prior = change = self.predicted(fewer) if frozen else unknown
-        pairs, required, saved = 0, FEWEST_PAIRS[names[0]], SAVED[names[0]]
+        pairs = 0
+        required = FEWEST_PAIRS[names[0]]
+        saved = SAVED[names[0]]
         while True:
             inside = change.within(tolerance) if frozen or pairs else 0.5
             gain = saved * self.joints * min(inside, 1.0 - inside)  # in joints with all effects
@@ -305,14 +314,16 @@ def choose_among(
     pilot: Pilot, tolerance: float, report: Callable[[str], None] = lambda line: None
 ) -> Selection:
     """Select, as `choose_effects`, among the effects of a pilot."""
-    chosen, reasons = pilot.effects, []
+    chosen = pilot.effects
+    reasons = []
     shape = pilot.values(chosen, 1)[0].shape
     change = Change(np.zeros(shape), np.zeros(shape))
     for names in DROPS:
         fewer = scene_without(chosen, names)
         if fewer is None:
             continue
-        left_out, reason = False, pilot.screened(names, tolerance)
+        left_out = False
+        reason = pilot.screened(names, tolerance)
         if not reason:
             left_out, tested, reason = pilot.test(names, chosen, tolerance)
             chosen, change = (fewer, tested) if left_out else (chosen, change)
@@ -326,5 +337,6 @@ def choose_among(
     table = index.to_frame(index=False, name=["quantity", "cycle"])
     table = table.assign(change=change.mean.ravel(), at_most=change.most.ravel())
     pilot.values(chosen, 1)  # one realisation at least, whose time is known
-    closed, lost = tuple(pilot.closed[chosen]), pilot.lost(chosen)
+    closed = tuple(pilot.closed[chosen])
+    lost = pilot.lost(chosen)
     return Selection(chosen, _largest(change.most), table, (*reasons,), closed, lost)

@@ -54,10 +54,12 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("--range: must be left out with --single")
     rock, stated = options.keywords(arguments, close, RESOLVED, "max_normal_stress")
     stated["ranges"] = _ranges(arguments.range)
-    asked, stress = stated.pop("snapshots"), stated["max_normal_stress"]
+    asked = stated.pop("snapshots")
+    stress = stated["max_normal_stress"]
     kept = results.kept_stresses(asked, arguments.animation, stress)
     joint = close(**stated, snapshots=kept, rock_name=rock.title, progress=True)
-    curves, at = joint.curves, stated["at"]
+    curves = joint.curves
+    at = stated["at"]
     text, answer = results.summary(joint.history, joint.laws, curves, joint.budget, at)
     print(text)
     scans = {"upper": arguments.upper, "lower": arguments.lower}
@@ -97,7 +99,9 @@ def _files(
     from jointclosure.plotting.snapshots import snapshot_figure
     from jointclosure.plotting.walls import pair_figure
 
-    history, budget, laws = joint.history, joint.budget, joint.laws
+    history = joint.history
+    budget = joint.budget
+    laws = joint.laws
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}
     files: dict[str, Any] = {
         "joint.nc": history.assign_attrs(about),
@@ -114,7 +118,10 @@ def _files(
 
 def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:
     """Return the results with units in their names; ``answer`` is what was printed of them."""
-    pair, history, budget, laws = joint.pair, joint.history, joint.budget, joint.laws
+    pair = joint.pair
+    history = joint.history
+    budget = joint.budget
+    laws = joint.laws
     values = results.law_values(history, laws)
     cycles = cycle_table(history).drop(columns="cycle")
     for name in ("residual_closure", "max_bulk_indentation"):

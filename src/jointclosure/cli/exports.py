@@ -133,9 +133,11 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
         )
     found = {}
     for ending, rows in loadings.items():
-        stress, closure = rows.normal_stress_MPa, rows.closure_net_since_seating_mm.to_numpy()
+        stress = rows.normal_stress_MPa
+        closure = rows.closure_net_since_seating_mm.to_numpy()
         fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
-        (stiffness, largest), aperture = fitted, float(rows.mean_aperture_mm.iloc[0])
+        stiffness, largest = fitted
+        aperture = float(rows.mean_aperture_mm.iloc[0])
         if not np.isfinite(largest):
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
@@ -185,7 +187,8 @@ def barton_bandis_commands(
     """
     values: dict[str, tuple[float, str]] = {}
     if laws.by_cycle:
-        (jrc, wall_strength), length = laws.scaled, laws.joint_length or laws.lab_length
+        jrc, wall_strength = laws.scaled
+        length = laws.joint_length or laws.lab_length
         values |= {
             "bb_lab_length": (laws.lab_length, "length of the laboratory joint L0 (m)"),
             "bb_lab_jrc": (laws.jrc, "JRC0, at the length of the laboratory joint"),
@@ -197,15 +200,18 @@ def barton_bandis_commands(
             "bb_aperture": (laws.from_zero(1).aperture, "aperture aj at zero stress (m)"),
         }
     for cycle in laws.by_cycle:
-        law, where = laws.from_zero(cycle), f"of the empirical law, cycle {cycle}, from zero stress"
+        law = laws.from_zero(cycle)
+        where = f"of the empirical law, cycle {cycle}, from zero stress"
         values[f"bb_kni_cycle_{cycle}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm_cycle_{cycle}"] = law.largest_closure, f"Vm (m) {where}"
     try:
-        fitted, function = _hyperbolas(joint, curves, "UDEC, 3DEC"), _STIFFNESS_FUNCTION
+        fitted = _hyperbolas(joint, curves, "UDEC, 3DEC")
+        function = _STIFFNESS_FUNCTION
     except InputError as error:
         if not values:
             raise
-        fitted, function = {}, f"; no constants of the simulated joint: {error}\n"
+        fitted = {}
+        function = f"; no constants of the simulated joint: {error}\n"
     for ending, known in fitted.items():
         end = {"": "", "_low": ", low end of the band", "_high": ", high end of the band"}[ending]
         where = f"fitted to the simulated loading of cycle {known.cycle}, from seating{end}"
@@ -234,7 +240,8 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     apertures: dict[str, np.ndarray] = {}
     reasons: dict[str, str] = {}
     for (word, column), (ending, rows) in product(columns.items(), parts.items()):
-        aperture, name = 1e-3 * rows[column].to_numpy(), f"geos_aperture{word}{ending}.csv"
+        aperture = 1e-3 * rows[column].to_numpy()
+        name = f"geos_aperture{word}{ending}.csv"
         missing = ~(aperture > 0.0)
         if not missing.any():
             # falls with stress, so that no aperture exceeds those before
@@ -269,13 +276,17 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str
     reference stress s_ref (`BartonBandis.hpp` of GEOS).
     """
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
-    title, lines = CURVES[column][0].removesuffix(" (mm)"), []
+    title = CURVES[column][0].removesuffix(" (mm)")
+    lines = []
     for ending, rows in _loading(joint, curves, "GEOS").items():
         known = rows[rows[column] > 0.0]
-        name, must = f"joint_aperture{ending}", f"the {title} must be known, and fall with stress"
-        stress, aperture = known.normal_stress_MPa.to_numpy(), known[column].to_numpy()
+        name = f"joint_aperture{ending}"
+        must = f"the {title} must be known, and fall with stress"
+        stress = known.normal_stress_MPa.to_numpy()
+        aperture = known[column].to_numpy()
         # 1/a = 1/a0 + 9 s/(a0 s_ref) is a straight line; by the weights errors are those of a
-        slope, start = (0.0, 0.0)
+        slope = 0.0
+        start = 0.0
         if stress.size > 2:
             slope, start = np.polyfit(stress, 1.0 / aperture, 1, w=aperture**2)
         if not (slope > 0.0 and start > 0.0):
@@ -304,7 +315,8 @@ def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarra
     if slopes.max() > OPENING_SLOPE:
         before = _END * gap[-2]
         opened = values[:, -1] + np.minimum(slopes, OPENING_SLOPE) * before
-        gap, values = np.insert(gap, -1, before), np.insert(values, -1, opened, axis=1)
+        gap = np.insert(gap, -1, before)
+        values = np.insert(values, -1, opened, axis=1)
     return gap, values
 
 
@@ -352,7 +364,8 @@ def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     Fields of triangles, two between four cells: ``aperture`` [m], the mean of the corners,
     ``contact``, 1 if one of them is in contact, and ``MaterialIDs``, 0.
     """
-    upper, lower = joint.upper_final.values, joint.lower_final.values
+    upper = joint.upper_final.values
+    lower = joint.lower_final.values
     opening = float((upper + lower).max())
     aperture = np.maximum(opening - upper - lower, 0.0)
     midplane = lower + 0.5 * (opening - upper - lower)

@@ -31,7 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     stated = options.measured_joint(arguments, fit, RESOLVED)
     cache = arguments.output / "joints" if arguments.output else None
     result = fit(**stated, cache=cache, progress=True)
-    found, strength = result.sentences(), result.compressive_strength
+    found = result.sentences()
+    strength = result.compressive_strength
     print("\n".join(f"- {line}" for line in found))
     if not arguments.output:
         return 0

@@ -36,7 +36,8 @@ def parser(
             module = importlib.import_module(f"{package}.{name}")
             text, _, examples = (module.__doc__ or "").partition("examples:\n")
             command.formatter_class = argparse.RawDescriptionHelpFormatter
-            command.description, command.epilog = text, examples and f"examples:\n{examples}"
+            command.description = text
+            command.epilog = examples and f"examples:\n{examples}"
             command.set_defaults(run=module.run)
             module.declare(command)
     return program

@@ -74,9 +74,11 @@ def add_keywords(
     A value that is not given is not in the arguments, so that the function's default holds, or
     that of ``usual``. ``changes`` are arguments of ``add_argument`` by keyword.
     """
-    texts, signature = documented(function), inspect.signature(function).parameters
+    texts = documented(function)
+    signature = inspect.signature(function).parameters
     for name in (*names, *changes):
-        change, parameter = changes.get(name, {}), signature[name]
+        change = changes.get(name, {})
+        parameter = signature[name]
         text = re.split(r"(?<! al)\.(?: |$)", texts[name])[0]
         text = text.replace("%", "%%").replace("None", "none")
         default = change.get("default", usual.get(name, parameter.default))
@@ -97,7 +99,8 @@ def _form(name: str, hint: Any) -> dict[str, Any]:
     types = get_args(hint)[:1] if get_origin(hint) is Annotated else (hint,)
     types = get_args(hint) if get_origin(hint) is UnionType else types
     kinds = {get_origin(kind) or kind for kind in types}
-    several, unit = kinds & {Sequence, tuple}, UNITS.get(name, "1")
+    several = kinds & {Sequence, tuple}
+    unit = UNITS.get(name, "1")
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction if name == "replay" else "store_true"}
     if name == "shape":
@@ -141,7 +144,8 @@ def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) ->
     """Read a number, or several with commas, in the unit of a keyword, in SI; or none."""
     if none and text == "none":
         return None
-    unit, parts = UNITS.get(keyword, "1"), text.split(",") if several else [text]
+    unit = UNITS.get(keyword, "1")
+    parts = text.split(",") if several else [text]
     key = keyword if unit == "1" else f"{keyword}_{unit}"
     try:
         values = [float(part) for part in parts]
@@ -247,7 +251,8 @@ def keywords(
     Without a named rock all of its properties must be given, and those of ``needed`` that it has
     not. Without a stated rule of breakage the ``usual`` numerics hold.
     """
-    known, stated = ROCKS.get(arguments.rock), given(arguments, OF_ROCK)
+    known = ROCKS.get(arguments.rock)
+    stated = given(arguments, OF_ROCK)
     required = () if known else [name for name in OF_ROCK if name not in Rock._field_defaults]
     missing = [
         names_of(name)[0]

@@ -49,7 +49,8 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
-    folder, output = arguments.folder, arguments.output or arguments.folder / "report.html"
+    folder = arguments.folder
+    output = arguments.output or arguments.folder / "report.html"
     if not (folder / "joint.json").is_file():
         raise InputError(f"{folder}: must be a folder that `jointclosure close` wrote")
     record = json.loads(read_text(folder / "joint.json"))

@@ -216,7 +216,8 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
                 parts.append(f"along {along} {text} ({status})")
         about_cycle = f"cycle {cycle.number}: {'; '.join(parts)}"
         remarks.append(f"hydraulic aperture at the maximum (mm) and flow_status, {about_cycle}")
-    steps, imbalance = len(statuses), closed.flow_imbalance.values
+    steps = len(statuses)
+    imbalance = closed.flow_imbalance.values
     for status, reason in _REASONS.items():
         here = statuses == status
         if count := int(here.any(axis=1).sum()):
@@ -233,7 +234,8 @@ def failed(closed: xr.Dataset) -> bool:
 
 def status_text(closed: xr.Dataset) -> str:
     """Return success or failure, with the remarks of the status in words."""
-    about, status = closed.status.attrs, int(closed.status)
+    about = closed.status.attrs
+    status = int(closed.status)
     named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
     remarks = ", ".join(name for mask, name in named if status & int(mask))
     word = "failed" if failed(closed) else "success"

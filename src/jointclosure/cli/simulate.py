@@ -65,13 +65,15 @@ def run(arguments: argparse.Namespace) -> int:
     lengths = options.given(arguments, ("joint_length", "lab_length"))
     check_joint_lengths(**lengths)
     walls = wall_pair(**about)
-    (ny, nx), size = arguments.shape, 1e3 * conditions.grid_spacing
+    ny, nx = arguments.shape
+    size = 1e3 * conditions.grid_spacing
     title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
     print(f"{title}: {conditions.load_text()}")
     start = time.perf_counter()
     with closing_bar(conditions.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
-    strength, cycles = rock.intact.compressive_strength, conditions.cycle_count
+    strength = rock.intact.compressive_strength
+    cycles = conditions.cycle_count
     seating = closed.attrs["seating_stress_Pa"]
     laws = laws_of_joint(jrc, strength, seating, cycles, **lengths)
     curves = stress_table(closed, table_levels(closed, arguments.at))

@@ -31,7 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     stated = options.measured_joint(arguments, validate, NUMERICS)
     cache = arguments.output / "joints" if arguments.output else None
     region = validate(**stated, cache=cache, report=lambda line: print(f"- {line}", flush=True))
-    ranges, quantities = region.table(), region.quantities()
+    ranges = region.table()
+    quantities = region.quantities()
     shown = {"index": False, "na_rep": "none", "float_format": "{:.3g}".format}
     print(f"\n{ranges.to_string(**shown)}\n\n{quantities.to_string(**shown)}\n")
     found = region.sentences()

@@ -53,7 +53,7 @@ def cache_folder() -> Path:
 
 
 @lru_cache(maxsize=None)
-def _resolved(file: str) -> Path:
+def _resolved_path(file: str) -> Path:
     """Return the path of a module, of which many kernels ask, without links."""
     return Path(file).resolve()
 
@@ -62,8 +62,9 @@ class _Folder(_CacheLocator):
     """Location of a function's machine code in `cache_folder`, whose name identifies the code."""
 
     def __init__(self, function: Callable[..., Any], file: str):
-        if _resolved(file).is_relative_to(PACKAGE):
-            name, self._stamp = _resolved(file).parent.name, ""
+        if _resolved_path(file).is_relative_to(PACKAGE):
+            name = _resolved_path(file).parent.name
+            self._stamp = ""
         else:  # the digest in the folder's name contains only the package
             name = self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
             self._stamp = hashlib.sha256(Path(file).read_bytes()).hexdigest()
@@ -106,7 +107,8 @@ class _KernelCache(FunctionCache):
     def __init__(self, function: Callable[..., Any]):
         super().__init__(function)  # type: ignore[no-untyped-call]
         path = SHIPPED / Path(self.cache_path).relative_to(cache_root())
-        name, stamp = self._impl.filename_base, self._impl.locator.get_source_stamp()
+        name = self._impl.filename_base
+        stamp = self._impl.locator.get_source_stamp()
         self._shipped = IndexDataCacheFile(str(path), name, stamp)  # type: ignore[no-untyped-call]
         try:
             self._impl.locator.ensure_cache_path()
@@ -151,15 +153,15 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     one factory, compiled in two processes, could have one name, and fail in a third that loads
     both.
     """
-    return _compiled(function, inlined=True)
+    return _compile(function, inlined=True)
 
 
 def large_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a kernel as `kernel`, without copying its code into its callers."""
-    return _compiled(function, inlined=False)
+    return _compile(function, inlined=False)
 
 
-def _compiled(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
+def _compile(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
     """Name a kernel after the plain values that it closes over, and compile it."""
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     flags = [(name, cell.cell_contents) for name, cell in cells]

@@ -70,25 +70,27 @@ def _code_digest(*names: str, titles: bool) -> str:
         module, _, function = name.partition(":")
         if function:
             (file,) = _files_of(module)
-            used = _used(file, function)
+            used = _used_statements(file, function)
             functions += used
-            files |= {file for part in used for file in _imported(part)}
+            files |= {file for part in used for file in _imported_files(part)}
         else:
             files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
     files = closure(files)
-    unseen = frozenset(call for call, shows in SHOWN_BY.items() if _path(shows) not in files)
+    unseen = frozenset(
+        call for call, shows in SHOWN_BY.items() if _path_of_name(shows) not in files
+    )
     unseen |= frozenset(() if titles else TITLED)
     digest = hashlib.sha256()
     for part in functions:
-        digest.update(_text(part, unseen).encode() + b"\0")
-    for file in sorted(files, key=_last_scripts):
+        digest.update(_reduced_text(part, unseen).encode() + b"\0")
+    for file in sorted(files, key=_sort_key):
         digest.update(file.name.encode() + b"\0" + _code(file, unseen).encode() + b"\0")
     return digest.hexdigest()[:16]
 
 
 def package_digest() -> str:
     """Return the digest of all code of the package."""
-    return code_digest(*(_name(file) for file in ROOTS["jointclosure"].rglob("*.py")))
+    return code_digest(*(_module_name(file) for file in ROOTS["jointclosure"].rglob("*.py")))
 
 
 def cache_root() -> Path:
@@ -129,7 +131,7 @@ def raw_digest() -> str:
     """Return the digest of the bytes of all modules of the package."""
     digest = hashlib.sha256()
     for root in ROOTS.values():
-        for file in sorted(root.rglob("*.py")):
+        for file in sorted([*root.rglob("*.py"), *root.rglob("*.pyi")]):
             digest.update(file.relative_to(root.parent).as_posix().encode() + b"\0")
             digest.update(file.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
@@ -146,12 +148,12 @@ def closure(files: set[Path]) -> set[Path]:
     return files_found
 
 
-def _last_scripts(file: Path) -> tuple[bool, Path]:
+def _sort_key(file: Path) -> tuple[bool, Path]:
     """Return the place of a file in an order that does not depend on the folder of scripts."""
     return not any(root in file.parents for root in ROOTS.values()), file
 
 
-def _path(name: str) -> Path:
+def _path_of_name(name: str) -> Path:
     """Return the path of a file of `ROOTS` by its name below their common folder."""
     top, _, rest = name.partition("/")
     return ROOTS[top] / rest
@@ -167,11 +169,16 @@ def _files_of(name: str) -> set[Path]:
     if base.with_suffix(".py").is_file():
         return {base.with_suffix(".py")}
     if (base / "__init__.py").is_file():
-        return {base / "__init__.py"} if base == ROOTS["jointclosure"] else set(base.rglob("*.py"))
+        return _package() if base == ROOTS["jointclosure"] else set(base.rglob("*.py"))
     raise FileNotFoundError(f"jointclosure has no module {name!r}")
 
 
-def _name(file: Path) -> str:
+def _package() -> set[Path]:
+    """Return the files of the package itself: its module, and the stub with its public names."""
+    return {PACKAGE / "__init__.py", PACKAGE / "__init__.pyi"}
+
+
+def _module_name(file: Path) -> str:
     parts = file.relative_to(ROOTS["jointclosure"]).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -179,23 +186,25 @@ def _name(file: Path) -> str:
 @lru_cache(maxsize=None)
 def _imports(file: Path) -> frozenset[Path]:
     """Return the files of the package that a file imports directly."""
-    return _imported(_tree(file))
+    return _imported_files(_tree(file))
 
 
-def _imported(tree: ast.AST) -> frozenset[Path]:
+def _imported_files(tree: ast.AST) -> frozenset[Path]:
     """Return the files of the package that are imported in a part of the syntax of a file."""
     imported: set[Path] = set()
-    for node in _executed(tree):
+    for node in _executed_nodes(tree):
         if isinstance(node, ast.Import):
-            imported |= {f for alias in node.names for f in _module(alias.name)}
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            imported |= {f for alias in node.names for f in _module_files(alias.name)}
+        elif isinstance(node, ast.ImportFrom):
+            # only the stub of the public names has relative imports
+            package = f"{PACKAGE.name}." if node.level else ""
+            module = f"{package}{node.module or ''}".rstrip(".")
             for alias in node.names:
-                inner = _module(f"{node.module}.{alias.name}")
-                imported |= inner or _module(node.module)
-    return frozenset(imported - {_path(name) for name in UNCOUNTED})
+                imported |= _module_files(f"{module}.{alias.name}") or _module_files(module)
+    return frozenset(imported - {_path_of_name(name) for name in UNCOUNTED})
 
 
-def _executed(tree: ast.AST) -> Iterator[ast.AST]:
+def _executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
     """Generate the parts of the syntax, without imports for checkers of types alone."""
     waiting = [tree]
     while waiting:
@@ -205,7 +214,7 @@ def _executed(tree: ast.AST) -> Iterator[ast.AST]:
             waiting += ast.iter_child_nodes(node)
 
 
-def _used(file: Path, function: str) -> list[ast.AST]:
+def _used_statements(file: Path, function: str) -> list[ast.AST]:
     """Return the statements of a module that a function uses by name, itself and imports too."""
     bound: dict[str, list[ast.AST]] = {}
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
@@ -215,13 +224,14 @@ def _used(file: Path, function: str) -> list[ast.AST]:
                 one.names = [alias]
                 bound.setdefault(alias.asname or alias.name.partition(".")[0], []).append(one)
         else:
-            stored = {part.id for part in ast.walk(node) if _binds(part)}
+            stored = {part.id for part in ast.walk(node) if _stores_name(part)}
             # names that a function or class stores are its own
             for name in {node.name} if hasattr(node, "name") else stored:
                 bound.setdefault(name, []).append(node)
     if function not in bound:
         raise KeyError(f"{file}: no function {function!r}")
-    used, waiting = {}, [function]
+    used = {}
+    waiting = [function]
     while waiting:
         name = waiting.pop()
         if name in bound and name not in used:
@@ -231,16 +241,18 @@ def _used(file: Path, function: str) -> list[ast.AST]:
     return [node for name in sorted(used) for node in used[name]]
 
 
-def _binds(part: ast.AST) -> TypeGuard[ast.Name]:
+def _stores_name(part: ast.AST) -> TypeGuard[ast.Name]:
     return isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store)
 
 
-def _module(name: str) -> set[Path]:
+def _module_files(name: str) -> set[Path]:
     """Return the file of a module of the package by its full dotted name; none for others."""
     top, *parts = name.split(".")
     if top not in ROOTS:
         return set()
     base = ROOTS[top].joinpath(*parts)
+    if base == PACKAGE:
+        return _package()
     for file in (base.with_suffix(".py") if parts else base / "__init__.py", base / "__init__.py"):
         if file.is_file():
             return {file}
@@ -255,10 +267,10 @@ def _tree(file: Path) -> ast.Module:
 @lru_cache(maxsize=None)
 def _code(file: Path, unseen: frozenset[str]) -> str:
     """Return the syntax of a file as text, without docstrings, positions and some other texts."""
-    return _text(ast.parse(file.read_text(encoding="utf-8"), filename=str(file)), unseen)
+    return _reduced_text(ast.parse(file.read_text(encoding="utf-8"), filename=str(file)), unseen)
 
 
-def _text(tree: ast.AST, unseen: frozenset[str]) -> str:
+def _reduced_text(tree: ast.AST, unseen: frozenset[str]) -> str:
     """Return a part of the syntax as `_code` does; the part is changed."""
     for node in ast.walk(tree):
         body = getattr(node, "body", None)

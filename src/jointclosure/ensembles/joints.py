@@ -49,7 +49,8 @@ def simulated_joint(
 
 def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
     """Close two walls (y, x) [m], and read quantities of the joint."""
-    judged, conditions = "oracle_ratio" in reading.names, reading.conditions
+    judged = "oracle_ratio" in reading.names
+    conditions = reading.conditions
     if judged and isinstance(walls, CrushedWalls):
         raise ValueError("oracle_ratio: not of walls that were crushed before")
     kept = (float(conditions.largest_stress),) if judged else ()
@@ -155,7 +156,8 @@ def simulate_ensemble(
         f"{type(a.error).__name__}: {a.error}" if isinstance(a, Failed) else "" for a in answers
     ]
     ensemble = stacked(rows, np.arange(len(rows)), labels, reading)
-    about, why = ensemble.status.attrs, {"long_name": "why a joint failed"}
+    about = ensemble.status.attrs
+    why = {"long_name": "why a joint failed"}
     about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
     about["flag_meanings"] += " not_simulated"
     ensemble["error"] = "realization", np.array(errors, dtype=object), why

@@ -61,7 +61,8 @@ def oracle_ratio(joint: SimulatedJoint) -> float:
 
     NaN for more cells in contact than it can judge, and where breakage passed the maximum.
     """
-    closed, given = joint.closed, joint.conditions
+    closed = joint.closed
+    given = joint.conditions
     loaded = closed.isel(snapshot=closed.snapshot_branch.values == LOADING)
     if not loaded.sizes["snapshot"]:
         return np.nan
@@ -79,7 +80,7 @@ def oracle_ratio(joint: SimulatedJoint) -> float:
         float(closed.closure[step]),
         float(closed.normal_stress[step]) * area,
     )
-    pristine = oracle.Joint(
+    pristine = oracle.PristineJoint(
         joint.walls[0] - above,
         joint.walls[1] - below,
         given.grid_spacing,

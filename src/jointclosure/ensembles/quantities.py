@@ -80,7 +80,8 @@ def _history(
 ) -> Quantity:
     """Make a quantity of a variable of a history, read as it is unless by another rule."""
     further = dict(ATTRIBUTES[name])
-    title, unit = further.pop("long_name"), further.pop("units", "1")
+    title = further.pop("long_name")
+    unit = further.pop("units", "1")
     rule = rule or (lambda joint: joint.closed[name].values)
     return Quantity(title, unit, dims, rule, symbol, further)
 
@@ -129,10 +130,12 @@ def _largest_jump(joint: SimulatedJoint) -> float:
     for cycle in range(1, joint.closed.max_closure.size + 1):
         loading = joint.history.branch(cycle, LOADING).steps
         curve = joint.closed.isel(step=loading)
-        closure, stress = curve.closure.values, np.append(curve.normal_stress.values, np.inf)
+        closure = curve.closure.values
+        stress = np.append(curve.normal_stress.values, np.inf)
         reached = np.maximum.accumulate(stress)
         before, beyond = (np.searchsorted(reached, reached[:-1], at) for at in ("left", "right"))
-        low, high = stress[beyond - 1], stress[beyond]
+        low = stress[beyond - 1]
+        high = stress[beyond]
         share = (reached[:-1] - low) / (high - low)
         end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
         closed = closure[-1] - closure[0]
@@ -212,11 +215,11 @@ QUANTITIES: dict[str, Quantity] = {
         "mean aperture at seating", "m", CYCLE, _aperture_at_seating, r"a_\mathrm{s}"),
     "mean_aperture_at_max": Quantity(
         "mean aperture at the maximum stress", "m", CYCLE,
-        lambda joint: 1e-3 * joint.table.mean_aperture_at_max_mm.to_numpy(),
+        lambda joint: joint.history.at_maxima("mean_aperture"),
         r"a_\mathrm{max}"),
     "contact_at_max": Quantity(
         "share of cells in contact at the maximum stress", "1", CYCLE,
-        lambda joint: joint.table.contact_at_max.to_numpy(), r"A_\mathrm{c}"),
+        lambda joint: joint.history.at_maxima("contact_fraction"), r"A_\mathrm{c}"),
     "loop": Quantity(
         "closure of unloading less that of loading, at half of the maximum stress", "m", CYCLE,
         _loop, r"x_\mathrm{loop}"),
@@ -232,7 +235,8 @@ QUANTITIES: dict[str, Quantity] = {
         _largest_jump, further={"comment": "where a test that controls the stress would jump"}),
     "contacts_at_max": Quantity(
         "largest number of cells in contact at the maximum stress", "1", (),
-        lambda joint: float(joint.table.contact_at_max.max() * joint.walls[0].size)),
+        lambda joint: float(
+            np.nanmax(joint.history.at_maxima("contact_fraction")) * joint.walls[0].size)),
     "broken_share": Quantity(
         "share of the cells of both walls that broke", "1", (),
         lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),
@@ -273,7 +277,7 @@ CURVES = {
     "smallest_transmissivity_m2_per_s": ("lower bound of the transmissivity (m2/s)", False),
     "largest_transmissivity_m2_per_s": ("upper bound of the transmissivity (m2/s)", False),
 }
-"""Headings of curves over stress (`jointclosure.joint.curves.stress_table`), by column, and whether
+"""Headings of curves over stress (`jointclosure.joint.tables.stress_table`), by column, and whether
 they rise with stress; the others fall."""
 
 

@@ -13,7 +13,6 @@ from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import History, history_of
 from jointclosure.joint.laws import fitted_laws, parameter
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import cycle_table
 from jointclosure.walls import Walls
 
 
@@ -48,11 +47,6 @@ class SimulatedJoint:
     def net(self) -> dict[str, np.ndarray]:
         """Net closures and stiffness of each cycle (`net_responses`)."""
         return net_responses(self.closed)
-
-    @cached_property
-    def table(self) -> pd.DataFrame:
-        """Apertures and contact of each cycle (`cycle_table`)."""
-        return cycle_table(self.closed)
 
     def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Read values of steps at stresses, over (cycle, branch, stress)."""

@@ -108,7 +108,8 @@ def make_missing(
 
 def _make(entry: Entry, key: str, folder: Path) -> None:
     """Make the file of an entry, in a worker."""
-    log, benchmark = folder / f"logs/{entry.name}.log", folder / f"benchmarks/{entry.name}.tsv"
+    log = folder / f"logs/{entry.name}.log"
+    benchmark = folder / f"benchmarks/{entry.name}.tsv"
     with logging_to(log, benchmark, raised=True) as logbook:
         made = entry.make(*entry.settings, **entry.options, report=logbook)
         write_netcdf(made.assign_attrs(key=key), entry.file(folder))

@@ -18,7 +18,8 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
     columns = (*progress.Progress.get_default_columns(), progress.TimeElapsedColumn())
     off = not screen.is_terminal
     with progress.Progress(*columns, console=screen, transient=True, disable=off) as shown:
-        task, last = shown.add_task(title, total=1.0), [time.monotonic()]
+        task = shown.add_task(title, total=1.0)
+        last = [time.monotonic()]
 
         def show(done: float, what: str) -> None:
             shown.update(task, completed=done, description=f"{title}: {what}")
@@ -51,15 +52,20 @@ class Countdown:
     """Count of the parts of some work, reported with the remaining time now and then."""
 
     def __init__(self, title: str, total: int, report: Callable[[str], None]):
-        self.title, self.total, self.done = title, total, 0
-        self._report, self._part = report, 0.0
+        self.title = title
+        self.total = total
+        self.done = 0
+        self._report = report
+        self._part = 0.0
         self._start = self._shown = time.monotonic()
 
     def __call__(self, parts: int = 1) -> None:
         self.done += parts
-        now, part = time.monotonic(), self.done / self.total
+        now = time.monotonic()
+        part = self.done / self.total
         if part >= self._part + _PART or now - self._shown > _BETWEEN_LINES or part == 1.0:
-            self._shown, self._part = now, part
+            self._shown = now
+            self._part = part
             left = (now - self._start) / self.done * (self.total - self.done)
             of = f"{self.title}: {self.done} of {self.total}"
             self._report(f"{of}, about {duration(left)} left" if left else of)

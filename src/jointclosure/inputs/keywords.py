@@ -36,7 +36,8 @@ def check_keywords(
 
     ``inside`` are the fields of keywords that are named tuples.
     """
-    stated, allowed = list(stated), list(allowed)
+    stated = list(stated)
+    allowed = list(allowed)
     for name in stated:
         if name in allowed:
             continue

@@ -53,7 +53,8 @@ def load_cycles(
         check_number("max_normal_stress", turn)
     shown = f"[{', '.join(map(str, given))}] Pa" if history else f"{max_normal_stress!r} Pa"
     stresses = [*map(float, given), *([0.0] if len(given) % 2 else [])]
-    maxima, minima = stresses[::2], stresses[1::2]
+    maxima = stresses[::2]
+    minima = stresses[1::2]
     for number, (maximum, minimum) in enumerate(zip(maxima, minima, strict=True)):
         if not 0.0 < maximum < math.inf:
             raise InputError(f"max_normal_stress = {shown}: must be positive and finite")
@@ -174,7 +175,8 @@ class Conditions(NamedTuple):
 
     def load_text(self) -> str:
         """Describe the load in words: its stresses in MPa, and its cycles."""
-        given, cycles = _turns(self.max_normal_stress)[0], self.cycle_count
+        given = _turns(self.max_normal_stress)[0]
+        cycles = self.cycle_count
         stresses = ", ".join(f"{1e-6 * stress:g}" for stress in given)
         return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
@@ -195,7 +197,8 @@ class Conditions(NamedTuple):
         check_numerics(self.numerics)
         if self.spacing is not None:
             check_length("spacing", self.spacing)
-        load, largest = self.load, self.largest_stress
+        load = self.load
+        largest = self.largest_stress
         check_choices(self.choices, self.spacing or 0.0)
         if self.effects.breakage or self.numerics.solver == "reference":  # else turns are exact
             _check_turns(load, self.numerics.stress_tolerance)

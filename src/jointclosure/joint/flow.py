@@ -58,7 +58,8 @@ class _Network(NamedTuple):
 
     def matrix(self) -> scipy.sparse.csr_array:
         """Return the conductances (n, n) between nodes."""
-        one, other = [self.first, self.second], [self.second, self.first]
+        one = [self.first, self.second]
+        other = [self.second, self.first]
         at = np.concatenate(one), np.concatenate(other)
         return scipy.sparse.csr_array((np.tile(self.conductance, 2), at), (self.nodes,) * 2)
 
@@ -89,7 +90,8 @@ def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> F
     if not largest > 0.0:
         return Flow(0.0, BLOCKED, 0.0, nowhere)
     whole, is_open = _network((field / largest) ** 3, sides)
-    network, left_out = whole.part(is_open), whole.part(~is_open)
+    network = whole.part(is_open)
+    left_out = whole.part(~is_open)
     joined = _joined(network)
     if joined is None:
         return Flow(0.0, BLOCKED if _joined(whole) is None else AT_LEAST, 0.0, nowhere)
@@ -118,13 +120,15 @@ def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarr
     """Return the faces that conduct, between cells (y, x) and to both sides; which are open."""
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
-    inlet, outlet = cells.size, cells.size + 1
+    inlet = cells.size
+    outlet = cells.size + 1
     joined_rows = slice(-1, None) if sides == "periodic" and rows > 1 else slice(0)
     first = np.concatenate([cells[:, :-1].ravel(), cells[:-1].ravel(), cells[joined_rows].ravel()])
     across = cells[: cells[joined_rows].shape[0]]
     second = np.concatenate([cells[:, 1:].ravel(), cells[1:].ravel(), across.ravel()])
     through = transmissivity.ravel()
-    one, other = through[first], through[second]
+    one = through[first]
+    other = through[second]
     both = one + other
     inner = np.divide(2.0 * one * other, both, out=np.zeros(both.shape), where=both > 0.0)
     first = np.concatenate([first, cells[:, 0], cells[:, -1]])
@@ -146,10 +150,12 @@ def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> f
         return 0.0
     group = network.groups()
     # each such group has the mean of the pressures next to it, so that a dead end adds nothing
-    weight, total = np.zeros(nodes), np.zeros(nodes)
+    weight = np.zeros(nodes)
+    total = np.zeros(nodes)
     for inside, outside in ((first, second), (second, first)):
         at = joined[outside] & ~joined[inside]
-        beside, through = group[inside[at]], conductance[at]
+        beside = group[inside[at]]
+        through = conductance[at]
         weight += np.bincount(beside, through, nodes)
         total += np.bincount(beside, through * pressure[outside[at]], nodes)
     level = np.divide(total, weight, out=np.full(nodes, 0.5), where=weight > 0.0)
@@ -168,7 +174,8 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     black = _black(network, joined)
     white = joined & ~black
     white[-2:] = False
-    matrix, diagonal = network.matrix(), network.sums()
+    matrix = network.matrix()
+    diagonal = network.sums()
     coupling, among_white = (matrix[white][:, cells] for cells in (black, white))
     sides = network.nodes - 2, network.nodes - 1
     loads = matrix[:, sides].toarray().T

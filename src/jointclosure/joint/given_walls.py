@@ -36,7 +36,8 @@ def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarra
 
 def _aligned(upper, lower) -> tuple:
     """Return both walls with named dimensions in the same order."""
-    upper, lower = _by_names("upper", upper), _by_names("lower", lower)
+    upper = _by_names("upper", upper)
+    lower = _by_names("lower", lower)
     if not (isinstance(upper, xr.DataArray) and isinstance(lower, xr.DataArray)):
         return upper, lower
     if set(upper.dims) != set(lower.dims):

@@ -216,6 +216,15 @@ class History:
         """Read the net closure [m], or the variable ``of``, at seating of each cycle (cycles,)."""
         return np.array([self.seat(cycle.number, name, of) for cycle in self.cycles])
 
+    def at_maxima(self, of: str | np.ndarray) -> np.ndarray:
+        """Return a variable, or values of steps, at the maximum of each cycle (cycles,).
+
+        It is NaN in a cycle that was not unloaded.
+        """
+        values = self.along(of)
+        steps = [next(iter(cycle.unloading.steps), -1) for cycle in self.cycles]
+        return np.where(np.array(steps) < 0, np.nan, values[steps])
+
     @cached_property
     def landing_stresses(self) -> np.ndarray:
         """Stress (cycles,) [Pa] from which each loading lands on its maximum; infinite if none.

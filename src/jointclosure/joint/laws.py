@@ -282,12 +282,14 @@ class JointLaws(NamedTuple):
         """Describe the laws, and their constants from zero stress."""
         jrc, wall_strength = self.scaled
         at_length = "" if self.joint_length is None else f" at {1e3 * self.joint_length:g} mm"
-        is_scaled, at_lab = bool(at_length), f"{1e3 * self.lab_length:g} mm"
+        is_scaled = bool(at_length)
+        at_lab = f"{1e3 * self.lab_length:g} mm"
         if not self.by_cycle:
             left_out = f"Barton-Bandis: left out, as it holds for JRC 5 to 15, not for {jrc:.2g}"
             scaled_from = f"{at_length}, scaled from {self.jrc:.2g} at {at_lab}"
             return left_out + scaled_from if is_scaled else left_out
-        strength, of_lab = f"JCS {1e-6 * wall_strength:.3g} MPa", ""
+        strength = f"JCS {1e-6 * wall_strength:.3g} MPa"
+        of_lab = ""
         constants = f"JRC {jrc:.2g} (by the slope of both walls) and {strength}, the strength"
         if is_scaled:
             constants = f"JRC {jrc:.2g}{at_length} (scaled) and {strength}"

@@ -50,7 +50,7 @@ class Step(NamedTuple):
     mean_height: float
 
 
-class History(NamedTuple):
+class StepRecord(NamedTuple):
     """All accepted steps in order, status bits, total effort, replayed cycles, and steps without
     interaction, which would displace no contact by more than ``idle_displacement`` of the closure.
     """
@@ -71,15 +71,18 @@ class _Run:
         self.solver: Solver = solver
         self.numerics: Numerics = numerics
         self.seating_force = seating_force
-        self.report, self.observers = report, observers
+        self.report = report
+        self.observers = observers
         self.target_force = cycles[0].maximum  # of the current cycle
         self.closure = self.total_force = self.cycle_start = 0.0
         self.steps: list[Step] = []
         self.forces: list[np.ndarray] = []  # since the last maximum, for observers
-        self.status, self.effort = 0, Effort()
+        self.status = 0
+        self.effort = Effort()
         largest = max(cycle.maximum for cycle in cycles)
         self.closure_limit = closure_limit(joint, largest)
-        self.idle_steps, self.idle_displacement = 0, 0.0
+        self.idle_steps = 0
+        self.idle_displacement = 0.0
         may_be_idle = joint.interaction_acts and numerics.idle_interaction > 0.0
         # it pays where neither few nor most cells carry the largest force at the strength
         cells = largest / (joint.compressive_strength * joint.law.spacing**2)
@@ -127,7 +130,8 @@ class _Run:
         return True
 
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
-        self.closure, self.total_force = settled.closure, settled.total_force
+        self.closure = settled.closure
+        self.total_force = settled.total_force
         self.steps.append(Step(cycle, branch, settled, _mean_height(self.joint)))
         if self.observers:
             if branch == LOADING:
@@ -147,7 +151,7 @@ def run_cycles(
     seating_force: float = 0.0,
     report: Report | None = None,
     observers: Sequence[Observer] = (),
-) -> History:
+) -> StepRecord:
     """Load to a force [N] and unload to a lower one or to last contact, repeatedly.
 
     Net closures are read at the ``seating_force`` [N]: elastic histories have a
@@ -159,11 +163,13 @@ def run_cycles(
         return history
     run = _Run(joint, solver, numerics, cycles, seating_force, report, observers)
     run.accept(1, LOADING, _untouched(joint))
-    elastic, replayed = False, 0
+    elastic = False
+    replayed = 0
     for cycle, load in enumerate(cycles, start=1):
         run.target_force = load.maximum
         if cycle > 1 and joint.weaken_crushed():
-            elastic, joint.held_to = False, -np.inf
+            elastic = False
+            joint.held_to = -np.inf
         if elastic and numerics.replay and load == cycles[cycle - 2]:
             _repeat_elastic(run, cycle)
             replayed += 1
@@ -177,7 +183,8 @@ def run_cycles(
         unbreakable = unbreakable_share(run.steps[-1].settled)
         if joint.effects.breakage and unbreakable > LARGEST_UNBREAKABLE_SHARE:
             run.status |= OUTSIDE_MODEL_RANGE
-        broken, maximum = run.effort.breakage_steps, run.closure
+        broken = run.effort.breakage_steps
+        maximum = run.closure
         _unload(run, cycle, load.minimum)
         if run.failed:
             break
@@ -187,12 +194,13 @@ def run_cycles(
         # up to here the joint is elastic
         joint.held_to = max(maximum, joint.held_to if intact else -np.inf) if elastic else -np.inf
     idle = run.idle_steps, run.idle_displacement
-    return History(run.steps, run.status, run.effort, replayed, *idle)
+    return StepRecord(run.steps, run.status, run.effort, replayed, *idle)
 
 
-def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> History:
+def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> StepRecord:
     """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
-    start, height = _untouched(joint), _mean_height(joint)
+    start = _untouched(joint)
+    height = _mean_height(joint)
     forces = _elastic_forces(numerics, cycles, seating_force)
     curve = solver.elastic_curve(joint, forces[1:])
     failed = curve[-1].outcome != Outcome.CONVERGED
@@ -211,7 +219,7 @@ def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> History:
         if turns[-1]:
             solver.elastic_curve(joint, forces[turns[-1] :][:1])
     counts = zip(*(settled.effort for settled in curve), strict=True)
-    return History(steps, status, Effort(*map(sum, counts)))
+    return StepRecord(steps, status, Effort(*map(sum, counts)))
 
 
 def _elastic_forces(numerics, cycles, seating_force) -> np.ndarray:
@@ -224,9 +232,10 @@ def _elastic_forces(numerics, cycles, seating_force) -> np.ndarray:
     return np.union1d(forces, apart) if apart else forces
 
 
-def _show_elastic(joint, solver, history: History, observers: Sequence[Observer]) -> None:
+def _show_elastic(joint, solver, history: StepRecord, observers: Sequence[Observer]) -> None:
     """Show every step of an elastic history to the observers."""
-    ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
+    ended = joint.force.copy()
+    forces = {0.0: np.zeros(joint.force.shape)}
     for step in history.steps if observers else ():
         total = step.settled.total_force
         if total not in forces:
@@ -244,7 +253,8 @@ def _load(
     """Close by steps until the force passes the target, then approach it; former maximum [N]."""
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
-    control, step = run.control(displacement_step, former), displacement_step
+    control = run.control(displacement_step, former)
+    step = displacement_step
     run.cycle_start = run.closure
     while True:
         if run.closure > run.closure_limit:
@@ -253,9 +263,11 @@ def _load(
         before = run.joint.snapshot()
         if control:
             step = control.fitting(step, run.total_force, run.predict)
-        taken, closure = step, run.closure + step
+        taken = step
+        closure = run.closure + step
         if run.closure < held <= closure:  # only this step is shortened
-            taken, closure = held - run.closure, held
+            taken = held - run.closure
+            closure = held
         settled = run.settle(closure, breakage_step)
         if run.failed:
             return
@@ -290,7 +302,10 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     returned.
     """
     near = run.numerics.stress_tolerance * run.target_force
-    above, further, passed_again, below_again = passed, passed, 0, 0  # two states above the target
+    above = passed
+    further = passed
+    passed_again = 0
+    below_again = 0  # two states above the target
     by_fixed_steps = run.numerics.breakage == "fixed_step"
     while True:
         if above.total_force - run.target_force <= near:
@@ -312,14 +327,17 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         if run.failed:
             return True
         if trial.total_force > run.target_force:
-            further, above = (trial if anew else above), trial
-            passed_again, below_again = passed_again + 1, 0
+            further = trial if anew else above
+            above = trial
+            passed_again = passed_again + 1
+            below_again = 0
             continue
         run.accept(cycle, LOADING, trial)
         before = run.joint.snapshot()
         if anew:
             return False
-        passed_again, below_again = 0, below_again + 1
+        passed_again = 0
+        below_again = below_again + 1
     run.joint.restore(before)
     # if even the first force exceeds the target, no state below the target carries force
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else _NOT_REACHED
@@ -328,7 +346,8 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
 
 def _is_exhausted(run: _Run, closure_above: float, displacement_step: float) -> bool:
     """Return whether a closure [m] above the target is too near the present one for a trial."""
-    room, reached = closure_above - run.closure, closure_above - run.cycle_start
+    room = closure_above - run.closure
+    reached = closure_above - run.cycle_start
     resolved = float(np.spacing(abs(run.joint.first_touch) + closure_above))
     return room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved
 
@@ -338,7 +357,8 @@ def _part_to_target(run: _Run, above, further, passed_again, below_again) -> flo
 
     It is that of false position, with the halved forces of the Illinois method, after secants.
     """
-    missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
+    missing = run.target_force - run.total_force
+    beyond = above.total_force - run.target_force
     room = above.closure - run.closure
     if 0 < passed_again <= _MOST_SECANTS and further.total_force > above.total_force:
         slope = (further.total_force - above.total_force) / (further.closure - above.closure)
@@ -379,7 +399,8 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
             return
         if control:
             left = settled.total_force
-            taken, step = step, control.after(step, left, run.total_force - left)
+            taken = step
+            step = control.after(step, left, run.total_force - left)
             seating = control.step_to_seating(taken, run.total_force, left)
             if seating < taken:
                 step = min(step, seating)
@@ -400,7 +421,9 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
 def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Settled) -> None:
     """Repeat the step that fell below the minimum with shorter steps until it is in tolerance."""
     near = run.numerics.stress_tolerance * minimum
-    high, high_force, low = run.closure, run.total_force, passed
+    high = run.closure
+    high_force = run.total_force
+    low = passed
     while abs(low.total_force - minimum) > near:
         room = high - low.closure
         if room < _SMALLEST_STEP * run.numerics.later_displacement_step:
@@ -417,7 +440,8 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
         if abs(trial.total_force - minimum) <= near or trial.total_force < minimum:
             low = trial
         else:
-            high, high_force = trial.closure, trial.total_force
+            high = trial.closure
+            high_force = trial.total_force
     run.accept(cycle, UNLOADING, low)
 
 

@@ -82,7 +82,8 @@ def _in_units(rock: Rock) -> dict[str, tuple[float, str]]:
     shown = {}
     for field in acting(rock):
         value = getattr(rock, field)
-        unit, size = PROPERTIES[field].unit, PROPERTIES[field].size
+        unit = PROPERTIES[field].unit
+        size = PROPERTIES[field].size
         # twelve digits: 73e9/1e9 and similar values are shown as they were given
         shown[field] = float(f"{value / size:.12g}"), "" if unit == "1" else f" {unit}"
     return shown

@@ -139,20 +139,24 @@ def close_walls(
     spacing = conditions.grid_spacing
     upper, lower = checked_walls(upper, lower, spacing)
     conditions = conditions._replace(unusual_values=True).checked(snapshots)
-    largest, load = float(conditions.largest_stress), conditions.load
-    effects, choices = conditions.effects, in_double(conditions.choices)
+    largest = float(conditions.largest_stress)
+    load = conditions.load
+    effects = conditions.effects
+    choices = in_double(conditions.choices)
     _check_steps(upper, lower, conditions.numerics)
     numerics = in_double(conditions.numerics)
     datums = height_datum(upper), height_datum(lower)
     intact = _pristine(pristine, upper.shape, datums, choices)
-    upper, lower = upper - datums[0], lower - datums[1]
+    upper = upper - datums[0]
+    lower = lower - datums[1]
     joint = Joint(upper, lower, spacing, conditions.rock, effects, choices, numerics, intact)
     solver = solver_of(numerics.solver)
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, largest, len(load))
     else:
         check_elastic_steps(numerics, len(load))
-    area, observers = upper.size * spacing**2, list[Any]()
+    area = upper.size * spacing**2
+    observers = list[Any]()
     if conditions.flow:
         from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
 
@@ -192,8 +196,10 @@ def _pristine(
 
 def height_datum(wall: np.ndarray) -> float:
     """Return a datum [m] for the heights of a wall (y, x), so that an offset costs no digits."""
-    low, high = float(wall.min()), float(wall.max())
-    middle, reach = 0.5 * low + 0.5 * high, high - low
+    low = float(wall.min())
+    high = float(wall.max())
+    middle = 0.5 * low + 0.5 * high
+    reach = high - low
     if reach == 0.0:
         return middle
     if abs(middle) < 4.0 * reach:
@@ -253,9 +259,12 @@ def equilibrium(
     if not unusual_values:
         check_usual(pair, spacing=spacing)
         warn_of_doubts(upper, lower, spacing)
-    spacing, closure = float(spacing), float(closure)
-    choices, numerics = in_double(choices), in_double(numerics)
-    upper, lower = upper - height_datum(upper), lower - height_datum(lower)
+    spacing = float(spacing)
+    closure = float(closure)
+    choices = in_double(choices)
+    numerics = in_double(numerics)
+    upper = upper - height_datum(upper)
+    lower = lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, pair, effects, choices, numerics)
     largest_stress = USUAL["max_normal_stress"][1]
     most = protocol.closure_limit(joint, largest_stress * upper.size * spacing**2)
@@ -282,7 +291,7 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: protocol.History, area: float, conditions: Conditions
+    joint: Joint, history: protocol.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
     load = conditions.load
     cycle, branch, settled, heights = zip(*history.steps, strict=True)
@@ -291,7 +300,9 @@ def _history_dataset(
     def along(field: str) -> np.ndarray:
         return np.array([getattr(point, field) for point in settled])
 
-    closure, bulk, overlap = along("closure"), along("mean_interaction"), along("mean_overlap")
+    closure = along("closure")
+    bulk = along("mean_interaction")
+    overlap = along("mean_overlap")
     distance = joint.first_touch - np.array(heights) - closure + bulk
     along_step = {
         "closure": closure,

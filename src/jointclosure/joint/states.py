@@ -51,7 +51,8 @@ class Snapshots:
 
     def __init__(self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]):
         self._stresses = sorted({float(stress) for stress in stresses})
-        self._tolerance, self._datums = tolerance, datums
+        self._tolerance = tolerance
+        self._datums = datums
         self._first: _State | None = None
         self._last: _State | None = None
         self._kept: dict[tuple[float, int, str], _State] = {}
@@ -61,7 +62,8 @@ class Snapshots:
         state = self._state(joint, step)
         self._first = self._first or state
         before = self._last or state._replace(normal_stress=-np.inf)
-        earlier, now = before.normal_stress, state.normal_stress
+        earlier = before.normal_stress
+        now = state.normal_stress
         for stress in self._stresses:
             place = (stress, step.cycle, step.branch)
             low, high = ((1.0 + part * self._tolerance) * stress for part in (-1.0, 1.0))
@@ -84,7 +86,8 @@ class Snapshots:
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
         """Return a history with its snapshots along ``snapshot``, in order of time."""
         shape = (closed.sizes["y"], closed.sizes["x"])
-        states, first = list(self._kept.values()), cast(_State, self._first)
+        states = list(self._kept.values())
+        first = cast(_State, self._first)
         datums = dict(zip(("upper", "lower"), self._datums, strict=True))
         variables: dict[str, Any] = {}
         for name, (text, unit) in _FIELDS.items():

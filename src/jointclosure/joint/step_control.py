@@ -49,7 +49,9 @@ class StepControl:
     ):
         self._largest = given * (LARGEST_STEP if former == 0.0 else 1.0)
         self._smallest = given * _SMALLEST_STEP
-        self._target, self._former, self._seating = target_force, former, seating_force
+        self._target = target_force
+        self._former = former
+        self._seating = seating_force
         self._readings = seating_force, max(0.5 * target_force, former)  # see `net_responses`
         self._tolerance = numerics.tolerance
         self._predicted = self._slope = self._lost = 0.0
@@ -65,9 +67,11 @@ class StepControl:
         # the share of the predicted rise that is lost increases as the step gets shorter
         landing = missing * (1.0 + self._lost) / (1.0 - self._lost)
         most_rise = self._most_change(force)
-        allowed, aim = _AIM / _RETRY * most_rise, _AIM * most_rise
+        allowed = _AIM / _RETRY * most_rise
+        aim = _AIM * most_rise
         if landing < allowed:
-            allowed, aim = landing, _NEAR * landing
+            allowed = landing
+            aim = _NEAR * landing
             smallest *= _SMALLEST_STEP
         # an elastic step must not pass the target: what rests just below its strength would break
         residual = min(_RESIDUAL * allowed / self._target, _LOOSEST) if self._broke else 0.0
@@ -80,13 +84,15 @@ class StepControl:
             shorter = min(max(aim / rise, 0.1), 0.97)
             if rise > _HARDLY_LESS * before:  # most of the contacts are at their strength
                 shorter = min(shorter, _MUCH_SHORTER)
-            step, before = max(shorter * step, smallest), rise
+            step = max(shorter * step, smallest)
+            before = rise
         return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
         """Return the next step [m] that the error of the last one, from a force [N] on, allows."""
         rise = settled.total_force - force
-        self._slope, self._lost = rise / step, 0.0
+        self._slope = rise / step
+        self._lost = 0.0
         self._broke = settled.effort.breakage_steps > 0
         if self._broke and self._predicted > force:
             lost = 1.0 - rise / (self._predicted - force)

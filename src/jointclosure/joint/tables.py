@@ -119,14 +119,8 @@ def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
     for name, values in states.items():
         if "ratio" not in name:
             column = f"{name.removesuffix('_mm')}_at_max{'_mm' if name.endswith('_mm') else ''}"
-            columns[column] = _at_maxima(history, values)
+            columns[column] = history.at_maxima(values)
     return pd.DataFrame(columns)
-
-
-def _at_maxima(history: History, values: np.ndarray) -> np.ndarray:
-    """Return values of steps at the maximum of each cycle (cycles,); NaN if it was not unloaded."""
-    starts = [next(iter(cycle.unloading.steps), -1) for cycle in history.cycles]
-    return np.where(np.array(starts) < 0, np.nan, values[starts])
 
 
 def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:

@@ -46,13 +46,15 @@ def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[li
 @lru_cache(maxsize=None)
 def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: Any) -> None:
     """Close a small joint, to compile the kernels of an entry of `kernels_of`, or load them."""
-    effects, choices = scene_of(scene), Choices(peaks=peaks, strength_bound=bound)
+    effects = scene_of(scene)
+    choices = Choices(peaks=peaks, strength_bound=bound)
     joint: dict[str, Any] = {"spacing": 0.25e-3, "rock": Rock(78e9, 0.2, 165e6), "effects": effects}
     joint |= {"choices": choices, "numerics": Numerics(solver=solver, breakage=breakage)}
     walls = wall_pair(8.0, (24, 24), joint["spacing"], seed=1)
     simulate(*walls, max_normal_stress=1e6, cycles=1, **joint)
     if effects.interaction and solver == "fast":  # with more contacts than the small joint has
-        table, cells = np.zeros(walls[0].shape), np.empty(0, np.int64)
+        table = np.zeros(walls[0].shape)
+        cells = np.empty(0, np.int64)
         influence_matrix(table, cells)
         force, interaction = np.zeros((2, *table.shape))
         add_changes_of_force(influence_of(table), cells, np.empty(0), force, interaction)

@@ -26,15 +26,19 @@ def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> li
 
     Later stiffnesses over the first come last. ``error`` is the relative one of values (..., n).
     """
-    places, result, stiffnesses = readings.places(), [], []
+    places = readings.places()
+    result = []
+    stiffnesses = []
     for cycle in range(1, readings.cycles + 1):
         levels = [level for number, level in places if number == cycle and level is not None]
         closures = [values[..., places.index((cycle, level))] for level in levels]
-        whole, first = closures[-1], cycle == 1
+        whole = closures[-1]
+        first = cycle == 1
         name = f"closure of cycle {cycle}"
         result.append(Quantity(name, "mm", 1e3 * whole, 1e3 * error * whole, first))
         if len(levels) > 1:
-            rise, run = levels[-1] - levels[-2], whole - closures[-2]
+            rise = levels[-1] - levels[-2]
+            run = whole - closures[-2]
             with np.errstate(divide="ignore", invalid="ignore"):
                 stiffness = 1e-9 * rise / run
                 spread = stiffness * error * np.hypot(whole, closures[-2]) / run
@@ -44,7 +48,8 @@ def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> li
             result.append(stiffnesses[-1])
         if (cycle, None) in places:
             recovered = values[..., places.index((cycle, None))] / whole
-            name, spread = f"share of the closure of cycle {cycle} that stays", 100.0 * recovered
+            name = f"share of the closure of cycle {cycle} that stays"
+            spread = 100.0 * recovered
             spread = math.sqrt(2.0) * error * spread
             result.append(Quantity(name, "%", 100.0 * (1.0 - recovered), spread, False))
     for later in stiffnesses[1:] if stiffnesses and stiffnesses[0].first_loading else ():
@@ -67,17 +72,22 @@ def intervals(
     """
     both = (quantities(values, measured, error) for values in (joints, measured.values))
     for simulated, one in zip(*both, strict=True):
-        values, value, spread = simulated.values, float(one.values), float(one.error)
+        values = simulated.values
+        value = float(one.values)
+        spread = float(one.error)
         if share := one.unit == "%":
-            values, value = 100.0 - values, 100.0 - value
+            values = 100.0 - values
+            value = 100.0 - value
         positive = bool((values[np.isfinite(values)] > 0.0).all()) and value > 0.0
         rows, spread = (np.log(values), spread / value) if positive else (values, spread)
         nodes = np.flatnonzero(np.isfinite(rows).any(axis=1))  # where not all joints failed
-        rows, ends = rows[nodes], np.full((2, len(rows)), np.nan)
+        ends = np.full((2, len(rows)), np.nan)
+        rows = rows[nodes]
         count = np.isfinite(rows).sum(axis=1)
         weights = np.exp(-0.5 * (nodes[:, None] - nodes) ** 2) * (count > 1)
         weights /= weights.sum(axis=1, keepdims=True)
-        mean, scatter = np.nanmean(rows, axis=1), np.nanvar(rows, axis=1)
+        mean = np.nanmean(rows, axis=1)
+        scatter = np.nanvar(rows, axis=1)
         variance = weights @ np.nan_to_num(scatter * count / np.maximum(count - 1, 1))
         freedom = 1.0 / (weights**2 @ (1.0 / np.maximum(count - 1, 1)))
         factor = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)

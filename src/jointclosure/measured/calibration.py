@@ -57,7 +57,8 @@ class Readings(NamedTuple):
 
     def names(self) -> list[str]:
         """Return a description of each value."""
-        recovered, closed = "closure recovered in cycle {}", "closure of cycle {} at {:.3g} MPa"
+        recovered = "closure recovered in cycle {}"
+        closed = "closure of cycle {} at {:.3g} MPa"
         return [
             recovered.format(cycle) if level is None else closed.format(cycle, 1e-6 * level)
             for cycle, level in self.places()
@@ -108,7 +109,8 @@ class Likelihood(NamedTuple):
         threshold = profile.max() - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
         within = np.flatnonzero(profile >= threshold)
         if axis == 0 and values.size > 1:  # the ends represent all wavelengths beyond
-            values[0], values[-1] = 0.0, np.inf
+            values[0] = 0.0
+            values[-1] = np.inf
         return Interval(*values[[profile.argmax(), within[0], within[-1]]].tolist())
 
 
@@ -132,15 +134,15 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
         between = int(((loading > seating_stress) & (loading < loading.max())).sum())
         read += (tuple(range(max(len(PARTS) - 1 - between, 0), len(PARTS))),)
     asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0), read)
-    values = readings_of_history(_as_history(curve), asked)
+    values = readings_of_history(_history_of_curve(curve), asked)
     if not np.all(values > 0.0):
         cycle, level = asked.places()[int(np.argmin(values > 0.0))]
         branch = "decrease on unloading" if level is None else "increase with stress on loading"
         raise InputError(f"closure of cycle {cycle} must {branch}")
-    return asked._replace(values=values, errors=_errors(curve, asked))
+    return asked._replace(values=values, errors=_reading_errors(curve, asked))
 
 
-def _errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
+def _reading_errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
     """Compute standard errors (n,) [m] of readings of averaged points, None where none are."""
     cycles = {cycle: curve.ascending(cycle) for cycle in curve.cycles}
     if not any(branch.errors.any() for both in cycles.values() for branch in both.values()):
@@ -154,7 +156,8 @@ def _errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
 
     errors = []
     for cycle, level in asked.places():
-        largest, branch = float(asked.levels[-1]), UNLOADING if level is None else LOADING
+        largest = float(asked.levels[-1])
+        branch = UNLOADING if level is None else LOADING
         closed = error(cycle, LOADING, largest if level is None else level)
         errors.append(math.hypot(closed, error(cycle, branch, asked.seating)))
     return np.array(errors)
@@ -200,9 +203,10 @@ def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: f
     return sentences
 
 
-def _as_history(curve: MeasuredCurve) -> xr.Dataset:
+def _history_of_curve(curve: MeasuredCurve) -> xr.Dataset:
     """Convert a measured curve to a history, to be read like that of a simulated joint."""
-    cycles, parts = [curve.branches(cycle) for cycle in curve.cycles], []
+    cycles = [curve.branches(cycle) for cycle in curve.cycles]
+    parts = []
     end = np.inf, 0.0  # last stress and closure of the cycle before
     for number, (here, later) in enumerate(itertools.zip_longest(cycles, cycles[1:]), start=1):
         if later and not here[UNLOADING][0].size:
@@ -212,8 +216,8 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
         again = abs(end[0] - first) <= _SAME_STRESS * curve.stress.max()
         offset = end[1] - zero if again else 0.0
         for branch, (x, y) in here.items():
-            about = np.full(x.size, number), np.full(x.size, branch)
-            parts.append((x, y + offset, 0.0 * x, *about))
+            cycle = np.full(x.size, number)
+            parts.append((x, y + offset, 0.0 * x, cycle, np.full(x.size, branch)))
             end = (x[-1], y[-1] + offset) if x.size else end
     names = ("normal_stress", "closure", "bulk_indentation", "load_cycle", "branch")
     columns = zip(names, map(np.concatenate, zip(*parts, strict=True)), strict=True)
@@ -228,8 +232,10 @@ def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
 
 def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
     """Return readings (..., n) of closures (..., cycles, 2, stresses) on loading and unloading."""
-    at, seat = stresses.searchsorted(asked.levels), int(stresses.searchsorted(asked.seating))
-    levels, values = dict(zip(asked.levels, at, strict=True)), []
+    at = stresses.searchsorted(asked.levels)
+    seat = int(stresses.searchsorted(asked.seating))
+    levels = dict(zip(asked.levels, at, strict=True))
+    values = []
     for cycle, level in asked.places():
         loading, unloading = np.moveaxis(closures[..., cycle - 1, :, :], -2, 0)
         recovered = loading[..., at[-1]] - unloading[..., seat]
@@ -248,7 +254,7 @@ def logs_of(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.n
 def joints_needed(nodes: tuple[int, ...], readings: int) -> int:
     """Return the least number of joints for a fit, over numbers of wavelengths and strengths."""
     varied = nodes[0] > 1, nodes[1] > 1
-    return 3 * (_terms(np.zeros((1, 2)), varied).shape[1] + readings)
+    return 3 * (_polynomial_terms(np.zeros((1, 2)), varied).shape[1] + readings)
 
 
 def likelihood_of(
@@ -266,54 +272,68 @@ def likelihood_of(
     distance. The measured curve is one more draw, so that its distance has a multivariate t
     distribution (synthetic likelihood with an estimated covariance).
     """
-    x, y = _scaled(wavelengths), _scaled(strengths)
+    x = _scaled_logarithms(wavelengths)
+    y = _scaled_logarithms(strengths)
     at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     rows = np.broadcast_to(at[:, :, None, :], (*simulated.shape[:3], 2)).reshape(-1, 2)
     logs = simulated.reshape(-1, simulated.shape[-1])
     known = np.isfinite(logs).all(axis=1)
-    rows, logs = rows[known], logs[known]
-    size, varied = logs.shape[1], (x.size > 1, y.size > 1)
+    rows = rows[known]
+    logs = logs[known]
+    size = logs.shape[1]
+    varied = (x.size > 1, y.size > 1)
     if len(logs) < joints_needed(simulated.shape[:2], size):
         raise InputError(
             f"{len(logs)} of {known.size} joints could be read: too few to fit; a longer range of "
             "stresses or more surfaces are needed"
         )
-    weights, *_ = np.linalg.lstsq(_terms(rows, varied), logs, rcond=None)
-    residuals = logs - _terms(rows, varied) @ weights
+    weights, *_ = np.linalg.lstsq(_polynomial_terms(rows, varied), logs, rcond=None)
+    residuals = logs - _polynomial_terms(rows, varied) @ weights
     fine_x, fine_y = (np.linspace(0.0, 1.0, _STEPS if part.size > 1 else 1) for part in (x, y))
     width = 1.0 / max(x.size - 1, 1)
     log, distances = np.empty((2, fine_x.size, fine_y.size))
-    means, scatter = np.empty((*log.shape, size)), np.empty((fine_x.size, size))
+    means = np.empty((*log.shape, size))
+    scatter = np.empty((fine_x.size, size))
     for i, place in enumerate(fine_x):
         near = np.exp(-0.5 * ((rows[:, 0] - place) / width) ** 2)
         near /= near.sum()
         freedom = 1.0 / float(np.sum(near**2)) - 1.0
         covariance = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
         covariance += error**2 * np.eye(size)
-        means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y]), varied) @ weights
+        means[i] = (
+            _polynomial_terms(np.column_stack([np.full(fine_y.size, place), fine_y]), varied)
+            @ weights
+        )
         scatter[i] = np.sqrt(np.diagonal(covariance))
         apart = np.log(measured.values) - means[i]
         squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(covariance), apart)
         half_sum = 0.5 * (freedom + size)
         log[i] = -0.5 * np.linalg.slogdet(covariance)[1] - half_sum * np.log1p(squares / freedom)
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
-    fine = _unscaled(fine_x, wavelengths), _unscaled(fine_y, strengths)
-    return Likelihood(*fine, log, means, scatter, distances)
+    return Likelihood(
+        _values_of_scaled(fine_x, wavelengths),
+        _values_of_scaled(fine_y, strengths),
+        log,
+        means,
+        scatter,
+        distances,
+    )
 
 
-def _scaled(values: np.ndarray) -> np.ndarray:
+def _scaled_logarithms(values: np.ndarray) -> np.ndarray:
     """Return logarithms of ascending values, scaled from 0 to 1."""
     logs = np.log(np.asarray(values, dtype=float))
     return (logs - logs[0]) / max(logs[-1] - logs[0], np.finfo(float).tiny)
 
 
-def _unscaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
+def _values_of_scaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return values from their scaled logarithms."""
-    first, last = np.log(values[0]), np.log(values[-1])
+    first = np.log(values[0])
+    last = np.log(values[-1])
     return np.exp(first + part * (last - first))
 
 
-def _terms(rows: np.ndarray, varied: tuple[bool, bool]) -> np.ndarray:
+def _polynomial_terms(rows: np.ndarray, varied: tuple[bool, bool]) -> np.ndarray:
     """Return terms of the mean: cubic in the first column, quadratic in the second, if varied."""
     x, y = rows.T
     terms = [np.ones_like(x)]

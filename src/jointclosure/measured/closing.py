@@ -32,8 +32,8 @@ from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.uncertainty.variants import coarser
 from jointclosure.walls import shifted
 
-CHECKED, FINER = 4, 5.0
-"""Number of nearest joints that are closed by a finer tolerance too, and the tolerance over it."""
+CHECKED = 4  # nearest joints that are closed by a finer tolerance too, for the numerical error
+FINER = 5.0  # tolerance over that finer one
 ADVICE = "check rock, roughness, roll-off, size and units"
 """Advice where no joint is like the measured one."""
 
@@ -75,38 +75,47 @@ class Joints(NamedTuple):
             for later in self.laters:
                 changed(self.conditions, strength, later).checked()
         asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
-        nodes, surfaces = (asked.wavelengths.size, len(self.strengths)), asked.joint.surfaces
-        needed, count = joints_needed(nodes, asked.measured.values.size), math.prod(nodes)
+        nodes = (asked.wavelengths.size, len(self.strengths))
+        surfaces = asked.joint.surfaces
+        needed = joints_needed(nodes, asked.measured.values.size)
+        count = math.prod(nodes)
         if surfaces * count < needed:
             least = math.ceil(needed / count)
             raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
 
     def closures(self) -> np.ndarray:
         """Close all; (laters, wavelengths, strengths, surfaces, cycles, 2, stresses) [m]."""
-        surfaces, wavelengths = self.asked.joint.surfaces, self.asked.wavelengths.size
-        closures = self._closed([(i, k) for k in range(surfaces) for i in range(wavelengths)])
+        surfaces = self.asked.joint.surfaces
+        wavelengths = self.asked.wavelengths.size
+        closures = self._close_missing(
+            [(i, k) for k in range(surfaces) for i in range(wavelengths)]
+        )
         closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
         return closures.transpose(2, 1, 3, 0, 4, 5, 6)
 
-    def _closed(self, places: Sequence[tuple[int, int]], strength: int = 0) -> np.ndarray:
+    def _close_missing(self, places: Sequence[tuple[int, int]], strength: int = 0) -> np.ndarray:
         """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
 
         ``places`` are those of wavelength and surface, ``strength`` is that of the first strength.
         A joint that failed has NaN.
         """
-        asked, conditions = self.asked, self.conditions
-        numerics, stresses = conditions.numerics, tuple(self.stresses.tolist())
+        asked = self.asked
+        conditions = self.conditions
+        numerics = conditions.numerics
+        stresses = tuple(self.stresses.tolist())
         entries = []
         for i, k in places:
             first = 1 + int(np.dot((i, strength, k), self.strides))
             numbered = {first + j * self.strides[1]: s for j, s in enumerate(self.strengths)}
-            of_joint = asked.walls, float(asked.wavelengths[i]), numbered, self.laters
-            entries.append(Entry(
-                f"wavelength_{i}_surface_{k}_{numerics.breakage}_{numerics.tolerance:.4g}",
-                close_surface, (conditions, asked.measured.cycles, stresses, *of_joint),
-                {"scans": asked.scans}, joints=len(numbered),
-            ))  # fmt: skip
-        (kernel,), workers = kernels_of([conditions.model]), number_of_workers(self.workers)
+            arguments = (
+                conditions, asked.measured.cycles, stresses, asked.walls,
+                float(asked.wavelengths[i]), numbered, self.laters,
+            )  # fmt: skip
+            file = f"wavelength_{i}_surface_{k}_{numerics.breakage}_{numerics.tolerance:.4g}"
+            scans = {"scans": asked.scans}
+            entries.append(Entry(file, close_surface, arguments, scans, joints=len(numbered)))
+        (kernel,) = kernels_of([conditions.model])
+        workers = number_of_workers(self.workers)
         compile_first = partial(compile_kernels, *kernel)
         kept = tempfile.TemporaryDirectory() if self.cache is None else nullcontext(self.cache)
         with kept as name:
@@ -122,7 +131,9 @@ class Joints(NamedTuple):
         They are of `CHECKED` joints at a place (later, wavelength, strength) of ``closures``.
         Without breakage there is no tolerance, and none are returned.
         """
-        conditions, measured, (kind, i, j) = self.conditions, self.asked.measured, place
+        conditions = self.conditions
+        measured = self.asked.measured
+        kind, i, j = place
         if not conditions.effects.breakage:
             return {}
         resolved = conditions.numerics.breakage == "resolved"
@@ -131,7 +142,7 @@ class Joints(NamedTuple):
             conditions=conditions._replace(numerics=numerics),
             strengths=self.strengths[j : j + 1], laters=self.laters[kind : kind + 1],
         )  # fmt: skip
-        fine = nearest._closed([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
+        fine = nearest._close_missing([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
         given, finer = (
             quantities(readings_of_closures(each, self.stresses, measured), measured)
             for each in (closures[kind, i, j, :CHECKED], fine)
@@ -178,7 +189,8 @@ def close_surface(
     report: Any,
 ) -> xr.Dataset:
     """Close a surface at each strength, by number, and all that may follow its first loading."""
-    levels, once_cycles = np.array(stresses), 1 if tuple(laters) != (Later(),) else cycles
+    levels = np.array(stresses)
+    once_cycles = 1 if tuple(laters) != (Later(),) else cycles
     closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)
     for place, (number, strength) in enumerate(numbered.items()):
         conditions = changed(first, strength, Later())

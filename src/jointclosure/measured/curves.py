@@ -73,7 +73,8 @@ class MeasuredCurve(NamedTuple):
         Dense logs whose values scatter are averaged (`jointclosure.measured.logs.averaged`).
         """
         here = self.cycle == cycle
-        stress, closure = self.stress[here], self.closure[here]
+        stress = self.stress[here]
+        closure = self.closure[here]
         top = logs.top_of(stress) + 1
         back = slice(None, top - 1 if top else None, -1)
         return {
@@ -134,11 +135,60 @@ def parsed_curve(
     """
     numbered = enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
     every = [TableLine(number, line) for number, line in numbered if line.strip()]
+    table = _split_table(every, name, names)
+    stated = {"stress": stress_unit, "closure": closure_unit}
+    found: dict[str, Column] = {}
+    for position, quantity in enumerate(_quantities_of_columns(table.header, table.where, names)):
+        if quantity not in _ALLOWED:
+            continue
+        what = f"{table.where}: column {table.header[position]!r}"
+        if quantity in found:
+            raise InputError(f"{what}: must be the only one of {quantity}")
+        factor = 1.0
+        if quantity != "cycle":
+            heading = heading_of(table.header[position])
+            heading = _add_unit_below(heading, table.units[position], what)
+            by_columns = names is not None
+            of_study = cycle is None
+            unit = _unit_of_column(quantity, heading, stated[quantity], what, by_columns, of_study)
+            factor = KNOWN[unit] / _area_of_unit(unit, area, what, of_study)
+            _check_preamble(every, table.body, name, what, unit, bool(heading.unit))
+        found[quantity] = Column(position, factor)
+    missing = [n for n in _ALLOWED if n not in found and (n != "cycle" or cycle is None)]
+    if missing:
+        others = "; --columns, or columns= in Python, names or numbers others" if cycle else ""
+        raise InputError(
+            f"{table.where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle"
+            f"{others}); there are {', '.join(table.header)}"
+        )
+    _check_one_table(table.header, table.body, name, table.mark, "cycle" in found)
+    columns = _parsed_columns(table.body, found, name)
+    stress = columns["stress"] * found["stress"].factor
+    closure = columns["closure"] * found["closure"].factor
+    lines = np.array([number for number, _ in table.body])
+    if "cycle" in found:
+        return MeasuredCurve(stress, closure, columns["cycle"].astype(int), lines)
+    curve = MeasuredCurve(stress, closure, np.full(lines.size, cycle), lines)
+    return _number_loadings(curve, name)
+
+
+class _Table(NamedTuple):
+    """Table of a file, split into cells."""
+
+    where: str  # file and line of the headings, for messages
+    header: list[str]
+    units: list[str]  # of the row below the headings; empty texts without one
+    body: list[tuple[int, list[str]]]  # number of the line and cells of each row
+    mark: str | None  # between the columns, None for blanks
+
+
+def _split_table(every: Sequence[TableLine], name: str, names: Sequence[str] | None) -> _Table:
+    """Find the headings among the lines of a file, and split them and the rows below."""
     lines = [line for line in every if line.text.lstrip()[0] != "#"]
     if not lines:
         raise InputError(f"{name}: has no header and no rows")
-    place = _header_of(lines, names)
-    mark = _mark(lines[place].text)
+    place = _place_of_header(lines, names)
+    mark = _separator(lines[place].text)
     if mark is None and len(lines[place].text.split()) < 2:
         raise InputError(
             f"{name}, line {lines[place].number}: {lines[place].text.strip()!r}: columns must be "
@@ -146,53 +196,30 @@ def parsed_curve(
         )
     table = [(number, _cells(line, mark)) for number, line in lines[place:]]
     if names and all(map(str.isdecimal, names)) and all(map(_is_number, table[0][1])):
+        # columns without headings are named by their numbers
         table.insert(0, (table[0][0], [str(1 + i) for i in range(len(table[0][1]))]))
     (first, header), *body = table
-    where = f"{name}, line {first}"
-    below = [""] * len(header)
+    units = [""] * len(header)
     if body and _is_row_of_units(body[0][1]):
-        below = body.pop(0)[1] + below
-    stated = {"stress": stress_unit, "closure": closure_unit}
-    found: dict[str, Column] = {}
-    for position, quantity in enumerate(_named(header, where, names)):
-        if quantity not in _ALLOWED:
-            continue
-        what = f"{where}: column {header[position]!r}"
-        if quantity in found:
-            raise InputError(f"{what}: must be the only one of {quantity}")
-        factor = 1.0
-        if quantity != "cycle":
-            heading = _with_units_below(heading_of(header[position]), below[position], what)
-            by_columns, of_study = names is not None, cycle is None
-            unit = _unit(quantity, heading, stated[quantity], what, by_columns, of_study)
-            factor = KNOWN[unit] / _area(unit, area, what, of_study)
-            _check_preamble(every, body, name, what, unit, bool(heading.unit))
-        found[quantity] = Column(position, factor)
-    missing = [n for n in _ALLOWED if n not in found and (n != "cycle" or cycle is None)]
-    if missing:
-        others = "; --columns, or columns= in Python, names or numbers others" if cycle else ""
-        raise InputError(
-            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle"
-            f"{others}); there are {', '.join(header)}"
-        )
-    _check_one_table(header, body, name, mark, "cycle" in found)
-    columns = {quantity: found[quantity] for quantity in _ALLOWED if quantity in found}
+        units = body.pop(0)[1] + units
+    return _Table(f"{name}, line {first}", header, units, body, mark)
+
+
+def _parsed_columns(
+    body: Sequence[tuple[int, list[str]]], found: dict[str, Column], name: str
+) -> dict[str, np.ndarray]:
+    """Return the numbers (n,) of each column that was found, in the units of the file."""
+    if not body:
+        raise InputError(f"{name}: has a header and no rows")
+    columns = {quantity: found[quantity].position for quantity in _ALLOWED if quantity in found}
     rows = []
     for number, cells in body:
         at = f"{name}, line {number}"
-        values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
-        rows.append((*values, number))
-    if not rows:
-        raise InputError(f"{name}: has a header and no rows")
-    stress, closure, *cycles, numbers = (np.array(column) for column in zip(*rows, strict=True))
-    stress, closure = stress * found["stress"].factor, closure * found["closure"].factor
-    if cycles:
-        return MeasuredCurve(stress, closure, cycles[0].astype(int), numbers)
-    curve = MeasuredCurve(stress, closure, np.full(len(rows), cycle), numbers)
-    return _by_loadings(curve, name)
+        rows.append([_parsed_number(cells[i], at, quantity) for quantity, i in columns.items()])
+    return dict(zip(columns, np.array(rows).T, strict=True))
 
 
-def _by_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
+def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
     """Number the loadings of a curve of one cycle; the point between two belongs to both.
 
     A later loading that closes the joint further than the first is probably of another specimen.
@@ -215,30 +242,30 @@ def _by_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
     return MeasuredCurve(stress, closure, cycle + number, line)
 
 
-def _header_of(lines: Sequence[TableLine], names: Sequence[str] | None) -> int:
+def _place_of_header(lines: Sequence[TableLine], names: Sequence[str] | None) -> int:
     """Return the place of the header, below what may stand above the table; 0 if none is seen."""
     if names and all(map(str.isdecimal, names)):
-        return _above_numbers(lines, [int(number) - 1 for number in names])
+        return _place_above_numbers(lines, [int(number) - 1 for number in names])
     for place, line in enumerate(lines):
-        cells = _cells(line.text, _mark(line.text))
-        known = {_quantity(cell) for cell in cells}
+        cells = _cells(line.text, _separator(line.text))
+        known = {_quantity_of_heading(cell) for cell in cells}
         if (
             all(n in cells or n.isdecimal() for n in names)
             if names
             else {"stress", "closure"} <= known
         ):
             return place
-    return _above_numbers(lines, range(2))
+    return _place_above_numbers(lines, range(2))
 
 
-def _above_numbers(lines: Sequence[TableLine], positions: Sequence[int]) -> int:
+def _place_above_numbers(lines: Sequence[TableLine], positions: Sequence[int]) -> int:
     """Return the place of the header above the first line with numbers at some positions."""
     for place, line in enumerate(lines):
-        cells = _cells(line.text, _mark(line.text))
+        cells = _cells(line.text, _separator(line.text))
         if max(positions) >= len(cells) or not all(_is_number(cells[i]) for i in positions):
             continue
         for above in (place - 1, place - 2):  # headings, or units below headings
-            others = _cells(lines[above].text, _mark(lines[above].text)) if above >= 0 else []
+            others = _cells(lines[above].text, _separator(lines[above].text)) if above >= 0 else []
             if len(others) != len(cells) or any(map(_is_number, others)):
                 return above + 1
             if not _is_row_of_units(others):
@@ -247,7 +274,7 @@ def _above_numbers(lines: Sequence[TableLine], positions: Sequence[int]) -> int:
     return 0
 
 
-def _mark(line: str) -> str | None:
+def _separator(line: str) -> str | None:
     """Return the mark between the columns of a line, None for blanks."""
     return next((mark for mark in ";\t," if mark in line), None)
 
@@ -257,7 +284,7 @@ def _is_row_of_units(cells: Sequence[str]) -> bool:
     return any(map(unit_of, cells)) and not any(map(_is_number, cells))
 
 
-def _with_units_below(heading: Heading, below: str, what: str) -> Heading:
+def _add_unit_below(heading: Heading, below: str, what: str) -> Heading:
     """Return a heading with the unit of the row below it."""
     if not below.strip("()[] -"):
         return heading
@@ -267,16 +294,19 @@ def _with_units_below(heading: Heading, below: str, what: str) -> Heading:
     return heading._replace(unit=unit, unknown="" if unit else below)
 
 
-def _unit(
+def _unit_of_column(
     quantity: str, heading: Heading, stated: str | None, what: str, by_columns: bool, of_study: bool
 ) -> str:
     """Return the unit of a column: of its heading, or else as stated."""
-    allowed, usual = _ALLOWED[quantity], {"stress": "MPa", "closure": "mm"}[quantity]
+    allowed = _ALLOWED[quantity]
+    usual = {"stress": "MPa", "closure": "mm"}[quantity]
     fitting = allowed | (FORCE_UNITS if quantity == "stress" else {})
     key = f"--{quantity}-unit ({quantity}_unit= in Python)"
     key = f"the key {quantity}_unit" if of_study else key
     unknown = heading.unknown
-    if not (by_columns or unknown or heading.unit or _quantity(heading.name) == quantity):
+    if not (
+        by_columns or unknown or heading.unit or _quantity_of_heading(heading.name) == quantity
+    ):
         unknown = heading.name.rpartition("_")[2]
     unit = unknown or heading.unit or stated or ""
     if unit in fitting and not unknown:
@@ -292,7 +322,7 @@ def _unit(
     raise InputError(f"{what}: unit {unit!r} {must}")
 
 
-def _area(unit: str, area: float | None, what: str, of_study: bool) -> float:
+def _area_of_unit(unit: str, area: float | None, what: str, of_study: bool) -> float:
     """Return the area [m2] by which values of a unit are divided, 1 for stresses and closures."""
     if unit in CLOSURE_UNITS:
         return 1.0
@@ -369,10 +399,10 @@ def _check_one_table(
         )
 
 
-def _named(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
+def _quantities_of_columns(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
     """Return the quantity of every column, by its heading or by names or numbers of columns."""
     if names is None:
-        return [_quantity(cell) for cell in header]
+        return [_quantity_of_heading(cell) for cell in header]
     numbers = [str(1 + position) for position in range(len(header))]
     if twice := [n for n in names if header.count(n) > 1]:
         raise InputError(
@@ -386,12 +416,16 @@ def _named(header: list[str], where: str, names: Sequence[str] | None) -> list[s
             f"{where}: columns {', '.join(names)}: must be two or three of "
             f"{', '.join(header)}, or their numbers from 1 to {len(header)}"
         )
-    cycles = [i for i, cell in enumerate(header) if _quantity(cell) == "cycle" and i not in places]
+    cycles = [
+        i
+        for i, cell in enumerate(header)
+        if _quantity_of_heading(cell) == "cycle" and i not in places
+    ]
     by_place = dict(zip([*places, *cycles], _ALLOWED, strict=False))
     return [by_place.get(position, "") for position in range(len(header))]
 
 
-def _quantity(cell: str) -> str:
+def _quantity_of_heading(cell: str) -> str:
     """Return the quantity of a column by its heading, with what stands in the place of its unit."""
     name = heading_of(cell).name
     before = name.rpartition("_")[0]
@@ -416,7 +450,7 @@ def _cells(line: str, mark: str | None) -> list[str]:
     return [point if _is_number(point := cell.replace(",", ".")) else cell for cell in cells]
 
 
-def _number(cell: str, where: str, quantity: str) -> float:
+def _parsed_number(cell: str, where: str, quantity: str) -> float:
     value = float(cell) if _is_number(cell) else math.nan
     if not math.isfinite(value):
         raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")
@@ -495,7 +529,8 @@ def _check_sizes(curve: MeasuredCurve, name: str) -> None:
                 f"far from the points before and after it, as do {numbers.size - 1} others: "
                 "remove failed measurements"
             )
-    largest, least = float(curve.stress.max()), float(curve.stress.min())
+    largest = float(curve.stress.max())
+    least = float(curve.stress.min())
     if least < -_OF_SCATTER * logs.scatter_of(curve.stress):
         line = curve.line[int(np.argmin(curve.stress))]
         sign = "; compression is positive, change the sign" if -least > largest else ""

@@ -28,8 +28,8 @@ from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.uncertainty.scanned_joint import RESOLVED
 
-WAVELENGTHS, STRENGTHS = 8, 4
-"""Number of wavelengths, and of strengths, at which joints are closed."""
+WAVELENGTHS = 8  # mismatch wavelengths at which joints are closed
+STRENGTHS = 4  # strengths at which joints are closed, if they are fitted
 STRENGTH_RANGE = (0.5, 2.0)
 """Range of fitted strengths, over the given strength."""
 DOUBTFUL = 0.01
@@ -81,24 +81,32 @@ class Fit(NamedTuple):
 
     def sentences(self) -> list[str]:
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
-        wavelength, strength = self.mismatch_wavelength, self.compressive_strength
-        compared = [*self._compared(), *numerical_sentence(self.numerical)]
+        wavelength = self.mismatch_wavelength
+        strength = self.compressive_strength
+        compared = [*self._agreement_sentences(), *numerical_sentence(self.numerical)]
         compared += reading_sentences(self.curve, self.measured, self.closure_error)
         missed = self._missed_first_loading()
         if not self.interval_holds:
             ends = {0.0: "mates", math.inf: "independent walls"}
             between = f"walls of a mismatch wavelength of {1e3 * wavelength.value:.3g} mm"
             nearest = [f"nearest are {ends.get(wavelength.value, between)}"] * (not self.scanned)
-            return [self._unexplained(missed), *nearest, *compared, f"assumed: {self.assumed}"]
+            return [
+                self._unexplained_caution(missed),
+                *nearest,
+                *compared,
+                f"assumed: {self.assumed}",
+            ]
         lines: list[str] = []
         if missed:
             which = f"no simulated joint has the measured {' or the '.join(missed)}"
             lines.append(caution(f"{which}: the interval is that of the nearest joints; {ADVICE}"))
         if not self.scanned:
-            lines.append(f"mismatch wavelength {_stated(wavelength, 1e3, 'mm')}")
+            lines.append(f"mismatch wavelength {_formatted_estimate(wavelength, 1e3, 'mm')}")
         if strength is not None:
             tried = self.likelihood.strengths[[0, -1]]
-            lines.append(f"compressive strength {_stated(strength, 1e-6, 'MPa', *tried)}")
+            lines.append(
+                f"compressive strength {_formatted_estimate(strength, 1e-6, 'MPa', *tried)}"
+            )
         if not self.scanned:
             lines += ["independent walls are not excluded"] * math.isinf(wavelength.high)
             lines += ["mated walls are not excluded"] * (wavelength.low == 0.0)
@@ -108,26 +116,33 @@ class Fit(NamedTuple):
 
     def agreements(self) -> list[Agreement]:
         """Compare closure, stiffness and what stays with single joints, each by itself."""
-        axis, logs, likelihood = int(self.scanned), self.simulated.logs, self.likelihood
+        axis = int(self.scanned)
+        logs = self.simulated.logs
+        likelihood = self.likelihood
         fine = (likelihood.wavelengths, likelihood.strengths)[axis]
         other = likelihood.nodes(likelihood.best, logs.shape[:2])[1 - axis]
-        joints, result = np.exp(logs.take(other, axis=1 - axis)), []
-        nodes, at = np.linspace(0.0, 1.0, len(joints)), np.linspace(0.0, 1.0, fine.size)
+        joints = np.exp(logs.take(other, axis=1 - axis))
+        result = []
+        nodes = np.linspace(0.0, 1.0, len(joints))
+        at = np.linspace(0.0, 1.0, fine.size)
         for one, *ends in intervals(self.measured, joints, self.closure_error):
-            value, (least, most) = float(one.values), (np.interp(at, nodes, end) for end in ends)
+            value = float(one.values)
+            least, most = (np.interp(at, nodes, end) for end in ends)
             apart = np.maximum(np.maximum(least - value, value - most), 0.0)
-            within, nearest = np.flatnonzero(apart == 0.0), int(apart.argmin())
+            within = np.flatnonzero(apart == 0.0)
+            nearest = int(apart.argmin())
             low, high = fine[within[[0, -1]]].tolist() if within.size else (math.nan, math.nan)
-            of_nearest = float(least[nearest]), float(most[nearest])
-            about = low, high, *of_nearest, one.first_loading
-            result.append(Agreement(one.name, one.unit, value, *about))
+            result.append(Agreement(
+                one.name, one.unit, value, low, high,
+                float(least[nearest]), float(most[nearest]), one.first_loading,
+            ))  # fmt: skip
         return result
 
     def _missed_first_loading(self) -> list[str]:
         """Return readings of the first loading that no joint has, in words."""
         return [each.name for each in self.agreements() if each.first_loading and each.missed]
 
-    def _compared(self) -> list[str]:
+    def _agreement_sentences(self) -> list[str]:
         """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
         likelihood = self.likelihood
         what, tried, scale, unit = (
@@ -148,7 +163,7 @@ class Fit(NamedTuple):
             lines.append(f"{one.name}, measured {value}: {where}")
         return lines
 
-    def _unexplained(self, missed: list[str]) -> str:
+    def _unexplained_caution(self, missed: list[str]) -> str:
         """Warn that the model does not explain the curve."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
@@ -220,12 +235,15 @@ def fit(
     See `jointclosure.measured.calibration`: the likelihood is from the scatter of joints, and
     assumes that the model is right and that rock, roughness and size are known. Closures of the
     model are net of the indentation of the half-spaces
-    (`jointclosure.joint.curves.read_along`).
+    (`jointclosure.joint.history.History.along`).
     """
     given = asked_joints(curve, joint, "fit", WAVELENGTHS, first_loading)
-    measured, wavelengths, pair = given.measured, given.wavelengths, given.pair
+    measured = given.measured
+    wavelengths = given.wavelengths
+    pair = given.pair
     fit_strength = fit_strength or pair is not None
-    usual, surfaces = given.rock.compressive_strength, given.joint.surfaces
+    usual = given.rock.compressive_strength
+    surfaces = given.joint.surfaces
     strengths = usual * (np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1))
     assumed = given.assumed(np.unique(strengths[[0, -1]]).tolist())
     assumed += "; only the first loading is fitted" if first_loading else ""
@@ -256,11 +274,22 @@ def fit(
     if closures is not None:
         place = likelihood.nodes(likelihood.best, expected[:2])
         changes = joints.numerical_changes((0, *place), closures)
-    of_joints = measured, simulated, likelihood, assumed, error, given.curve
-    return Fit(wavelength, strength, likelihood.p_value, *of_joints, bool(pair), changes)
+    return Fit(
+        mismatch_wavelength=wavelength,
+        compressive_strength=strength,
+        p_value=likelihood.p_value,
+        measured=measured,
+        simulated=simulated,
+        likelihood=likelihood,
+        assumed=assumed,
+        closure_error=error,
+        curve=given.curve,
+        scanned=bool(pair),
+        numerical=changes,
+    )
 
 
-def _stated(
+def _formatted_estimate(
     interval: Interval, scale: float, unit: str, least: float = 0.0, most: float = math.inf
 ) -> str:
     """Format an estimate with its interval in a unit, and whether it is at an end of the range."""

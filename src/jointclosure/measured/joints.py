@@ -171,7 +171,9 @@ class AskedJoints(NamedTuple):
 
     def assumed(self, strengths: Sequence[float]) -> str:
         """Describe the joints, of strengths [Pa] or between two."""
-        rock, roll_off, spacing = self.rock, self.walls.roll_off, self.walls.spacing
+        rock = self.rock
+        roll_off = self.walls.roll_off
+        spacing = self.walls.spacing
         ny, nx = (1e3 * spacing * cells for cells in self.walls.shape)
         waves = "of all lengths"
         if roll_off is not None:
@@ -189,7 +191,8 @@ class AskedJoints(NamedTuple):
 
     def conditions(self, numerics: Numerics) -> Conditions:
         """Return the conditions of the first cycle."""
-        measured, joint = self.measured, self.joint
+        measured = self.measured
+        joint = self.joint
         return Conditions(
             self.walls.spacing, self.rock, float(measured.levels[-1]), 1, measured.seating,
             joint.effects, joint.choices, numerics,
@@ -206,10 +209,12 @@ def asked_joints(
     """Read a curve and check the joint that is stated by `JointKeywords` of a function."""
     check_keywords(function, stated, MeasuredJoint._fields, ["rock"])
     given = MeasuredJoint(**stated)
-    pair, shape, spacing = given.pair, given.shape, given.spacing
+    pair = given.pair
+    shape = given.shape
+    spacing = given.spacing
     intact = named_rock(given.rock)
     check_rock(intact)
-    points, measured = _read(curve, given, first_loading)
+    points, measured = _read_curve(curve, given, first_loading)
     if given.scans is not None:
         for keyword in ("jrc", "size", "shape", "pair"):
             if (value := getattr(given, keyword)) is not None:
@@ -217,10 +222,11 @@ def asked_joints(
         units = {"units": given.units}
         pair = registered_walls(*given.scans, units, spacing, orientation=given.orientation)
     if pair is not None:
-        shape, spacing = pair.upper.shape, pair.spacing
+        shape = pair.upper.shape
+        spacing = pair.spacing
     jrcs = (0.0, 0.0) if pair is not None else _jrc_range(given.jrc)
     spacing = SPACING if spacing is None else spacing
-    ny, nx = _shape(given, shape, spacing)
+    ny, nx = _cells_of_joint(given, shape, spacing)
     check_count("surfaces", given.surfaces, 4, 100_000)
     check_count("seed", given.seed, 0)
     error = given.closure_error
@@ -253,7 +259,7 @@ def _jrc_range(jrc: Any) -> tuple[float, float]:
     return lowest, highest
 
 
-def _read(
+def _read_curve(
     curve: str | Path | MeasuredCurve, given: MeasuredJoint, first_loading: bool
 ) -> tuple[MeasuredCurve, Readings]:
     """Return a checked curve, which may have to be read from its file, and its readings."""
@@ -261,11 +267,16 @@ def _read(
     if not isinstance(curve, MeasuredCurve):
         if not Path(curve).is_file():
             raise InputError(f"{name}: file not found")
-        units = given.stress_unit, given.closure_unit
         if given.area is not None:
             check_positive("area", given.area, "m2")
         curve = parsed_curve(
-            read_text(curve), name, *units, cycle=1, names=given.columns, area=given.area
+            read_text(curve),
+            name,
+            given.stress_unit,
+            given.closure_unit,
+            cycle=1,
+            names=given.columns,
+            area=given.area,
         )
     else:
         curve = MeasuredCurve(*map(np.asarray, curve))
@@ -281,7 +292,7 @@ def _read(
         return curve, readings_of_curve(curve, seating)
 
 
-def _shape(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:
+def _cells_of_joint(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:
     """Return the cells of the simulated joints, which may be stated by the length of their side."""
     check_positive("spacing", spacing, "m")
     if given.size is not None:

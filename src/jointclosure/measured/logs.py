@@ -16,8 +16,8 @@ LEAST_POINTS = 30
 _NOT_RISING = 0.1
 """Least share of points that do not exceed all former ones, where a branch is averaged."""
 _REVERSAL = 0.05
-"""Least fall and rise of stress that divide two loadings, over the largest stress."""
-_LARGEST_REVERSAL = 0.25
+"""Least fall and rise of stress that divide two loadings, over the range of stresses."""
+_LARGEST_REVERSAL = 0.25  # the same of stresses that scatter, however much they do
 _OF_NOISE = 10.0
 """Reversals that scatter makes, over its standard deviation."""
 _STEPS_OVER_NOISE = 30.0
@@ -26,8 +26,8 @@ _FEWEST = 8
 """Least number of means of a branch, unless these have too few points."""
 _OF_END = 3.0
 """Distance of an end from the mean before it, over its standard error, if it is not held."""
-_SPIKE, _OF_NEIGHBOURS = 0.2, 5.0
-"""Least size of a spike over the range of values, and over the changes before and after it."""
+_SPIKE = 0.2  # least size of a spike over the range of values; chosen
+_OF_NEIGHBOURS = 5.0  # the same over the changes before and after it; chosen
 _DENSE = 200
 """Least number of points of a log in which a spike is known from a jump."""
 _MOST_SMOOTHED = 50
@@ -77,7 +77,7 @@ def smoothed(stress: np.ndarray) -> np.ndarray:
     """Return the moving average of stresses (n,) that scatter, others as they are."""
     width = 1
     if scatter := scatter_of(stress):
-        width = round(stress.size / _means(stress.size, np.ptp(stress), scatter))
+        width = round(stress.size / _number_of_means(stress.size, np.ptp(stress), scatter))
     width = min(width, stress.size // _MOST_SMOOTHED)
     return stress if width < 3 else scipy.ndimage.uniform_filter1d(stress, width, mode="nearest")
 
@@ -101,10 +101,13 @@ def troughs(stress: np.ndarray) -> list[int]:
         low = number if value < values[low] else low
         high = number if value > values[high] else high
         if rising and values[high] - value > least:
-            rising, low = False, number
+            rising = False
+            low = number
         elif not rising and value - values[low] > least:
             found += [low] * loaded
-            rising, loaded, high = True, True, number
+            rising = True
+            loaded = True
+            high = number
     return found
 
 
@@ -125,14 +128,15 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
     The means are evenly spaced along the curve, at distances that exceed their standard error.
     """
     plain = Branch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
-    if stress.size < LEAST_POINTS or not (_scatters(stress) or _scatters(closure)):
+    if stress.size < LEAST_POINTS or not (_is_scattered(stress) or _is_scattered(closure)):
         return plain
-    group = _groups(stress, closure)
-    order, points = np.arange(stress.size), np.bincount(group)
+    group = _group_numbers(stress, closure)
+    order = np.arange(stress.size)
+    points = np.bincount(group)
     centres, *means = (np.bincount(group, values) / points for values in (order, stress, closure))
     for end in (0, -1):
         last = group == group[end]
-        values = [_at_end(column[last], end) for column in (stress, closure)]
+        values = [_line_at_end(column[last], end) for column in (stress, closure)]
         at = points.size if end else 0
         of_mean = scatter_of(stress) / np.sqrt(last.sum())
         if abs(values[0] - means[0][end]) > _OF_END * of_mean:  # no hold of the stress
@@ -154,21 +158,26 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
     return Branch(means[0], means[1], points, ends * errors / np.sqrt(points), scatter)
 
 
-def _groups(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
+def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
     """Return the group 0, 1 and so on (n,) of each point, evenly spaced along the curve."""
-    along, number = np.zeros(stress.size), 0.5 * stress.size
+    along = np.zeros(stress.size)
+    number = 0.5 * stress.size
     rising = [scipy.optimize.isotonic_regression(values).x for values in (stress, closure)]
     for values, known in zip(rising, (stress, closure), strict=True):
         if (rise := values[-1] - values[0]) > 0.0:
             along += (values - values[0]) / rise
-            number = min(number, _means(stress.size, rise, scatter_of(known)))
+            number = min(number, _number_of_means(stress.size, rise, scatter_of(known)))
     run = np.cumsum(np.diff(rising[0], prepend=rising[0][0]) > 0.0)  # of one stress
     along = (np.bincount(run, along) / np.bincount(run))[run]
     width = max(float(np.ptp(along)), np.finfo(float).tiny) / max(_FEWEST, int(number))
     group = np.floor((along - along[0]) / width).astype(int)
     group = np.unique(group, return_inverse=True)[1]
-    centres, sizes = np.bincount(group, along) / np.bincount(group), np.bincount(group)
-    least, merged, last, count = stress.size / number / 4.0, np.zeros(sizes.size, int), 0.0, 0
+    centres = np.bincount(group, along) / np.bincount(group)
+    sizes = np.bincount(group)
+    least = stress.size / number / 4.0
+    merged = np.zeros(sizes.size, int)
+    last = 0.0
+    count = 0
     for place in range(1, sizes.size):
         count += int(sizes[place - 1])
         apart = count >= least and centres[place] - last >= 0.5 * width
@@ -179,20 +188,20 @@ def _groups(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
     return merged[group]
 
 
-def _at_end(values: np.ndarray, end: int) -> float:
+def _line_at_end(values: np.ndarray, end: int) -> float:
     """Return the first (0) or last (-1) value of a straight line through values (n,)."""
     number = np.arange(values.size) - 0.5 * (values.size - 1)
     slope = float(number @ values) / max(float(number @ number), 1.0)
     return float(np.clip(values.mean() + slope * number[end], values.min(), values.max()))
 
 
-def _scatters(values: np.ndarray) -> bool:
+def _is_scattered(values: np.ndarray) -> bool:
     """Return whether many of the values (n,) of a branch do not exceed all former ones."""
     falls = int((~exceeding(values)).sum())
     return falls >= _NOT_RISING * LEAST_POINTS and falls >= _NOT_RISING * values.size
 
 
-def _means(count: int, rise: float, scatter: float) -> float:
+def _number_of_means(count: int, rise: float, scatter: float) -> float:
     """Return how many means of ``count`` points are apart by a multiple of their error."""
     most = 0.5 * count
     if scatter == 0.0:

@@ -36,8 +36,8 @@ from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""
-WAVELENGTHS, STRENGTHS = 6, 4
-"""Number of wavelengths, and of strengths, at which joints are closed."""
+WAVELENGTHS = 6  # mismatch wavelengths at which joints are closed
+STRENGTHS = 4  # strengths at which joints are closed
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
 NEITHER = "neither"
@@ -82,7 +82,7 @@ class Region(NamedTuple):
     numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
     reading: Sequence[str] = ()  # sentences on how the curve was read
 
-    def of(self, mechanism: str) -> dict[Later, Likelihood]:
+    def joints_of(self, mechanism: str) -> dict[Later, Likelihood]:
         """Return the joints of a mechanism, by its constant: first those without any."""
         wanted = NEITHER, mechanism
         return {
@@ -95,21 +95,23 @@ class Region(NamedTuple):
         return list(dict.fromkeys(map(mechanism_of, self.compared)))
 
     def nearest(self, mechanism: str) -> tuple[int, int, int]:
-        """Return the place of least distance: number in `of`, of the wavelength and strength."""
+        """Return the place of least distance: number in `joints_of`, wavelength and strength."""
         p_values = self.p_values(mechanism)
         number, i, j = np.unravel_index(int(p_values.argmax()), p_values.shape)
         return int(number), int(i), int(j)
 
     def p_values(self, mechanism: str) -> np.ndarray:
         """Return the p-values (constants, wavelengths, strengths) of a mechanism."""
-        return np.stack([joints.p_values for joints in self.of(mechanism).values()])
+        return np.stack([joints.p_values for joints in self.joints_of(mechanism).values()])
 
     def table(self) -> pd.DataFrame:
         """Return the compatible range of each constant by mechanism, NaN where none is."""
         rows: list[dict[str, Any]] = []
         for mechanism in self.mechanisms:
-            kinds, nearest = self.of(mechanism), self.nearest(mechanism)
-            p_values, fine = self.p_values(mechanism), next(iter(kinds.values()))
+            kinds = self.joints_of(mechanism)
+            nearest = self.nearest(mechanism)
+            p_values = self.p_values(mechanism)
+            fine = next(iter(kinds.values()))
             grids = [("strength", "MPa", 1e-6 * fine.strengths, 2)]
             if not self.scanned:
                 grids.append(("mismatch wavelength", "mm", 1e3 * fine.wavelengths, 1))
@@ -130,7 +132,8 @@ class Region(NamedTuple):
 
     def quantities(self) -> pd.DataFrame:
         """Return measured quantities beside the 95 % interval of a joint nearest to the curve."""
-        rows, axis = [], int(self.scanned)
+        rows = []
+        axis = int(self.scanned)
         for mechanism in self.mechanisms:
             kind, *place = self.place(mechanism)
             joints = np.exp(logs_of(self.closures[kind], self.stresses, self.measured))
@@ -152,7 +155,7 @@ class Region(NamedTuple):
     def place(self, mechanism: str) -> tuple[int, int, int]:
         """Return the tried constants next to `nearest`: place in `closures` of the first axes."""
         number, *places = self.nearest(mechanism)
-        later, joints = list(self.of(mechanism).items())[number]
+        later, joints = list(self.joints_of(mechanism).items())[number]
         kind = list(self.compared).index(later)
         return kind, *joints.nodes(places, self.closures.shape[1:3])
 
@@ -161,11 +164,12 @@ class Region(NamedTuple):
         lines: list[str] = []
         if not any(map(self.compatible, self.mechanisms)):
             lines.append(caution(f"none is compatible with all loadings of this curve; {ADVICE}"))
-        rows, quantities = self.table(), self.quantities()
+        rows = self.table()
+        quantities = self.quantities()
         for mechanism in self.mechanisms:
             title = "no mechanism between loadings" if mechanism == NEITHER else mechanism
             if self.compatible(mechanism):
-                ranges = map(_range, rows[rows.mechanism == mechanism].itertuples())
+                ranges = map(_formatted_range, rows[rows.mechanism == mechanism].itertuples())
                 lines.append(f"{title}: compatible with {'; '.join(ranges)}")
                 continue
             p_value = self.p_value(mechanism)
@@ -188,7 +192,7 @@ class Region(NamedTuple):
         return f"<Region: {'; '.join(self.sentences())}>"
 
 
-def _range(row: Any) -> str:
+def _formatted_range(row: Any) -> str:
     """Format the compatible range of a constant, and whether it ends where the tried range does."""
     low, high = (f"{end:.3g}" for end in (row.low, row.high))
     unit = "" if row.unit == "1" else f" {row.unit}"
@@ -235,11 +239,14 @@ def validate(
         As for `jointclosure.fit`, which has the errors that are raised and what is assumed.
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
-    measured, pair = given.measured, given.pair
-    tried_later = shifts or (), crushed_strength_ratios or ()
-    laters = _laters(*tried_later, given.walls.shape[1], measured.cycles)
-    ends = _strengths(strengths, given.rock)
-    tried, wavelengths = np.geomspace(*ends, STRENGTHS), given.wavelengths
+    measured = given.measured
+    pair = given.pair
+    laters = _tried_laters(
+        shifts or (), crushed_strength_ratios or (), given.walls.shape[1], measured.cycles
+    )
+    ends = _strength_range(strengths, given.rock)
+    tried = np.geomspace(*ends, STRENGTHS)
+    wavelengths = given.wavelengths
     joints = Joints(
         given, given.conditions(numerics), tuple(tried.tolist()),
         (tried.size, 1, wavelengths.size * tried.size), laters, cache, workers, report,
@@ -276,7 +283,7 @@ def validate(
     return region._replace(numerical=changes)
 
 
-def _laters(
+def _tried_laters(
     shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
 ) -> tuple[Later, ...]:
     """Return all that is tried after the first loading, first nothing."""
@@ -297,7 +304,7 @@ def _laters(
     return Later(), *seated_anew, *crushed
 
 
-def _strengths(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:
+def _strength_range(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:
     """Return the checked ends of the range of strengths [Pa]."""
     if strengths is None:
         low, high = (factor * rock.compressive_strength for factor in RANGE)

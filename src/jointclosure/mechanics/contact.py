@@ -15,9 +15,11 @@ from jointclosure.compilation.kernels import kernel
 _MANTISSA = (1 << 52) - 1
 """Bits of the mantissa of a double."""
 MOST_ROOT_STEPS = 20
-"""Number of Newton steps after which F^(1/3) is taken as it is."""
-_ROOT_OF_2, _ROOT_OF_4 = 1.2599210498948732, 1.5874010519681996
-"""Cube roots of 2 and 4."""
+"""Number of Newton steps after which F^(1/3) is taken as it is; at most five are needed."""
+_ROOT_OF_2 = 1.2599210498948732
+"""Cube root of 2."""
+_ROOT_OF_4 = 1.5874010519681996
+"""Cube root of 4."""
 
 
 @kernel
@@ -87,7 +89,7 @@ def force_of_overlap(overlap, substrate, asperity):
     terms are upper bounds; Newton's method converges monotonically from there, in at most five
     steps.
     """
-    t, exact = root_from(overlap, substrate, asperity, 0.0)
+    t, exact = root_bound(overlap, substrate, asperity, 0.0)
     for _ in range(MOST_ROOT_STEPS):
         if exact:
             break
@@ -96,7 +98,7 @@ def force_of_overlap(overlap, substrate, asperity):
 
 
 @kernel
-def root_from(overlap, substrate, asperity, guess):
+def root_bound(overlap, substrate, asperity, guess):
     """Return an upper bound of F^(1/3), and whether it is the root; a poor guess is not used."""
     if not overlap > 0.0:
         return 0.0, True

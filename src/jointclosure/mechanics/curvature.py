@@ -20,7 +20,8 @@ def gaussian_curvature(west, east, south, north, here, concave, spacing):
     "magnitude" is 1 and "flat" 0 (docs/decisions.md#0002-curvature).
     """
     area = spacing * spacing
-    second_x, second_y = (west - here) + (east - here), (south - here) + (north - here)
+    second_x = (west - here) + (east - here)
+    second_y = (south - here) + (north - here)
     weight = (concave if second_x > 0.0 else 1.0) * (concave if second_y > 0.0 else 1.0)
     second_differences = abs(second_x) * abs(second_y) * weight
     x_sides = (

@@ -133,16 +133,16 @@ def to_si(settings: dict) -> dict:
         elif not unit or value is None:
             converted[name] = value
         elif isinstance(value, list | tuple):
-            converted[name] = [_in_si(key, item, unit) for item in value]
+            converted[name] = [_si_value(key, item, unit) for item in value]
         else:
-            converted[name] = _in_si(key, value, unit)
+            converted[name] = _si_value(key, value, unit)
     return converted
 
 
-def _in_si(key: str, value: float, unit: str) -> float:
+def _si_value(key: str, value: float, unit: str) -> float:
     """Return a value of a key in SI; raise `InputError` unless it fits in double precision."""
     check_number(key, value)
-    number = _scaled(value, _power(unit))
+    number = _times_power_of_ten(value, _power_of_unit(unit))
     if math.isfinite(value) and (math.isinf(number) or (value != 0.0 and number == 0.0)):
         raise InputError(f"{key} = {value!r}: must be a number that fits in double precision in SI")
     return number
@@ -150,14 +150,16 @@ def _in_si(key: str, value: float, unit: str) -> float:
 
 def in_unit(value: float, unit: str) -> float | int:
     """Return a value in SI in a unit ("1" for none), in short form: 78 for 78e9 in GPa."""
-    shown = _scaled(value, -_power(unit)) if unit in SI_FACTORS else float(value)
+    shown = (
+        _times_power_of_ten(value, -_power_of_unit(unit)) if unit in SI_FACTORS else float(value)
+    )
     return int(shown) if shown.is_integer() else shown
 
 
-def _power(unit: str) -> int:
+def _power_of_unit(unit: str) -> int:
     return round(math.log10(SI_FACTORS[unit]))
 
 
-def _scaled(value: float, power: int) -> float:
+def _times_power_of_ten(value: float, power: int) -> float:
     """Return a value times a power of ten, rounded like the decimal number in the file."""
     return float(Decimal(f"{float(value):.15g}").scaleb(power))

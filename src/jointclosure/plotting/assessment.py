@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.assessment.assess import ASSESSED, JUDGED, Assessment
+from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
 
 
@@ -19,8 +20,9 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     table = assessment.differences
     table = table[(table.reference != table.variant) & table.quantity.isin(JUDGED)]
     percent = 100.0 * table[["value", "low", "high"]].add_suffix("_percent")
-    table, within = table.join(percent), 100.0 * assessment.within
-    without = table.variant.str.startswith("without ")
+    table = table.join(percent)
+    within = 100.0 * assessment.within
+    without = lacks_effects(table.variant)
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
     draw_price(left, table[~without], within)
     finest = table.reference[~without].iloc[0]
@@ -76,7 +78,8 @@ def draw_effects(
     axes.set_ylim(len(names) - 0.5, -0.5)
     ends = (without if shown is None else shown)[["low_percent", "high_percent"]].to_numpy()
     ends = ends[np.isfinite(ends)]
-    low, high = min(ends.min(initial=0.0), -within), max(ends.max(initial=0.0), within)
+    low = min(ends.min(initial=0.0), -within)
+    high = max(ends.max(initial=0.0), within)
     for place, name in enumerate(names):
         if not without.value_percent[without.variant == name].notna().any():
             axes.annotate(

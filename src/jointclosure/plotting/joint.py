@@ -60,7 +60,8 @@ def range_figure(budget: Budget, title: str) -> Figure:
         1, len(cycles), figsize=(5.2 * len(cycles), 3.6), title=title, squeeze=False
     )
     for axes, cycle in zip(panels[0], cycles, strict=True):
-        row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
+        row = ranges.loc[cycle]
+        results = budget.results[budget.results.cycle == cycle]
         shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
         for place, name in enumerate(shares.index):
             values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
@@ -137,9 +138,11 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
     cycles = int(curves.cycle.max())
     for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
         # later cycles are thinner and above, so that equal curves are all seen
-        order, colour = 2.0 + 0.01 * cycle, f"C{cycle - 1}"
+        order = 2.0 + 0.01 * cycle
+        colour = f"C{cycle - 1}"
         width = 1.2 + 1.4 * (cycles - cycle) / max(1, cycles - 1)
-        stress, label = rows.normal_stress_MPa, f"cycle {cycle}, {branch}"
+        stress = rows.normal_stress_MPa
+        label = f"cycle {cycle}, {branch}"
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
@@ -187,12 +190,14 @@ def _draw_closure(
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
-    middle, law = "closure_net_since_seating_mm", LAWS["hyperbolic"]
+    middle = "closure_net_since_seating_mm"
+    law = LAWS["hyperbolic"]
     for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
         # a loading beyond the former maximum is no hyperbola
         if not history.former_maxima[int(cycle) - 1]:
-            known = rows.normal_stress_MPa.to_numpy(), rows[middle].to_numpy()
-            fitted = law.closure(stress, seating, *fit_law(law, *known, seating)[0])
+            stresses = rows.normal_stress_MPa.to_numpy()
+            constants, *_ = fit_law(law, stresses, rows[middle].to_numpy(), seating)
+            fitted = law.closure(stress, seating, *constants)
             label = None if number else "hyperbolas fitted"
             if np.isfinite(fitted).all():  # not that of a curve that does not bend
                 axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)

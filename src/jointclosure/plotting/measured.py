@@ -27,7 +27,8 @@ def fit_figure(result: Fit, title: str) -> Figure:
     curve, above, below = (panels[name] for name in "cab")
     above.sharex(below)
     above.tick_params(labelbottom=False)
-    closures, kind = result.simulated.closures[_fitted(result)], ("nearest", "fitted")
+    closures = result.simulated.closures[_drawn_joints(result)]
+    kind = ("nearest", "fitted")
     draw_measured(curve, result, closures, result.simulated.stresses, kind[result.reached])
     axis, scale = (1, 1e-6) if result.scanned else (0, 1e3)
     tried = scale * (result.likelihood.wavelengths, result.likelihood.strengths)[axis]
@@ -50,8 +51,10 @@ def fit_figure(result: Fit, title: str) -> Figure:
 def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray) -> None:
     """Draw simulated (nodes, ..., readings) over measured readings, with 90 % of the joints."""
     known = np.isfinite(logs).reshape(len(nodes), -1).any(axis=1)
-    nodes, logs = nodes[known], logs[known]
-    places, names = result.measured.places(), result.measured.names()
+    nodes = nodes[known]
+    logs = logs[known]
+    places = result.measured.places()
+    names = result.measured.names()
     markers = dict(zip(dict.fromkeys(level for _, level in places), "osDv", strict=False))
     for number, ((cycle, level), name) in enumerate(zip(places, names, strict=True)):
         ratios = np.exp(logs[..., number]).reshape(len(nodes), -1) / result.measured.values[number]
@@ -84,7 +87,8 @@ def draw_measured(
         seating = result.measured.seating
         for branch, stress, closure in result.curve.since_seating(cycle, seating):
             if branch == LOADING:
-                stress, closure = np.append(seating, stress), np.append(0.0, closure)
+                stress = np.append(seating, stress)
+                closure = np.append(0.0, closure)
             axes.plot(1e3 * closure, 1e-6 * stress, "o-", ms=3, lw=1.2, color=colour)
         axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
     axes.set(xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)")
@@ -92,9 +96,10 @@ def draw_measured(
     axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.09))
 
 
-def _fitted(result: Fit) -> np.ndarray:
+def _drawn_joints(result: Fit) -> np.ndarray:
     """Return which joints (wavelengths, strengths, joints) are nearest or in valid intervals."""
-    likelihood, kept = result.likelihood, np.isfinite(result.simulated.logs).all(axis=-1)
+    likelihood = result.likelihood
+    kept = np.isfinite(result.simulated.logs).all(axis=-1)
     best = likelihood.nodes(likelihood.best, kept.shape[:2])
     for axis, values in enumerate((likelihood.wavelengths, likelihood.strengths)):
         nodes = np.geomspace(values[0], values[-1], kept.shape[axis])
@@ -119,7 +124,7 @@ def region_figure(region: Region, title: str) -> Figure:
     draw_measured(panels[0], region, closures, region.stresses, "of the nearest")
     panels[0].set_title(f"nearest: {nearest}")
     for axes, name in zip(panels[1:], mechanisms, strict=True):
-        laters, kinds = zip(*region.of(name).items(), strict=True)
+        laters, kinds = zip(*region.joints_of(name).items(), strict=True)
         mesh = _draw_p_values(axes, kinds)
         if about := MECHANISMS.get(name):
             constants = [getattr(later, about.field) for later in laters]
@@ -152,7 +157,9 @@ def _draw_p_values(axes: Axes, kinds: Sequence[Likelihood]):
     )  # fmt: skip
     for place, column in enumerate((p_values >= 1.0 - CONFIDENCE).T):
         for (run,) in ndimage.find_objects(ndimage.label(column)[0]):
-            low, high, corners = run.start, run.stop, place + np.array([0, 1, 1, 0, 0])
+            low = run.start
+            high = run.stop
+            corners = place + np.array([0, 1, 1, 0, 0])
             axes.plot(columns[corners], rows[[low, low, high, high, low]], "w-", lw=1.4)
     axes.set(yscale="log", ylim=(rows[0], rows[-1]))
     decimal_ticks(axes.yaxis)

@@ -68,16 +68,19 @@ def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesIm
     norm: Normalize
     if name == "aperture":
         fields = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
-        colours, norm = _APERTURES, Normalize(0.0, reach_of(fields))
+        colours = _APERTURES
+        norm = Normalize(0.0, reach_of(fields))
     elif name == "stress":
         fields = 1e-6 * force / spacing**2
         largest = float(fields.max()) or 1.0
-        colours, norm = "rocket_r", LogNorm(1e-4 * largest, largest)
+        colours = "rocket_r"
+        norm = LogNorm(1e-4 * largest, largest)
         fields = np.ma.masked_equal(fields, 0.0)
     else:
         fields = 1e3 * change_of_height(closed)
         reach = reach_of(np.abs(fields))
-        colours, norm = "vlag_r", Normalize(-reach, reach)
+        colours = "vlag_r"
+        norm = Normalize(-reach, reach)
     style = {"interpolation": "nearest"}
     image = draw_field(axes, fields[snapshot], spacing, cmap=colours, norm=norm, **style)
     if name == "aperture":
@@ -131,7 +134,8 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
             axes.clear()
         at = closed.isel(snapshot=frame)
         state = closed.isel(step=int(at.snapshot_step))
-        closure, stress = 1e3 * state.closure, 1e-6 * state.normal_stress
+        closure = 1e3 * state.closure
+        stress = 1e-6 * state.normal_stress
         draw_curves(panels["curve"], closed, of=GROSS)
         panels["curve"].plot(closure, stress, "o", color="black", ms=7, zorder=5)
         panels["curve"].set_title(describe_state(at)[0])
@@ -155,9 +159,13 @@ def _draw_walls(axes, closed: xr.Dataset, frame: int) -> None:
     row = int(np.abs(change_of_height(closed)[-1]).sum(axis=1).argmax())
     lower = 1e3 * closed.snapshot_lower.values[:, row]
     upper = lower + 1e3 * np.maximum(closed.snapshot_gap.values[:, row], 0.0)
-    pristine, x = 1e3 * closed.lower_first.values[row], 1e3 * closed.x.values
-    low, high = min(lower.min(), pristine.min()), upper.max()
-    low, high = low - 0.1 * (high - low), high + 0.1 * (high - low)
+    pristine = 1e3 * closed.lower_first.values[row]
+    x = 1e3 * closed.x.values
+    lowest = min(lower.min(), pristine.min())
+    highest = upper.max()
+    room = 0.1 * (highest - lowest)
+    low = lowest - room
+    high = highest + room
     axes.fill_between(x, lower[frame], low, color="C1", alpha=0.55)
     axes.fill_between(x, upper[frame], high, color="C0", alpha=0.55)
     axes.plot(x, pristine, ":", color="0.3", lw=1.0, zorder=4)

@@ -58,7 +58,8 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     panels[3].legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     if pair.fits:
         _draw_mating(panels[4], pair)
-        fits, axes = pair.fits[::-1], panels[5]
+        fits = pair.fits[::-1]
+        axes = panels[5]
         colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
         names = [fit.orientation.replace("_", " ") for fit in fits]
         axes.barh(names, [fit.correlation for fit in fits], color=colours)
@@ -107,7 +108,8 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
         ends = np.clip(1e3 * np.array(pair.mismatch[1:]), wavelengths[-1], wavelengths[0])
         axes.axvspan(*ends, color="0.9", lw=0.0)
         axes.axvline(1e3 * limit, color="0.3", lw=1.0, ls="--")
-        at, words = (1e3 * limit, 0.02), f" {1e3 * limit:.3g} mm"
+        at = (1e3 * limit, 0.02)
+        words = f" {1e3 * limit:.3g} mm"
         axes.annotate(words, at, xycoords=("data", "axes fraction"), fontsize=9)
     axes.set(xscale="log", ylim=(min(-0.3, 1.1 * (mating.correlation - error).min()), 1.05))
     axes.set(title="correlation of the walls", xlabel="wavelength (mm)")
@@ -123,7 +125,8 @@ def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
     image = draw_heights(panels[0], heights, spacing, np.nanmax(np.abs(heights)))
     figure.colorbar(image, ax=panels[0], label="height (mm)", shrink=0.85)
     panels[0].set_title("heights, mean plane removed")
-    gap, colours = 4e3 * np.nanstd(heights), {"x": "C0", "y": "C1"}
+    gap = 4e3 * np.nanstd(heights)
+    colours = {"x": "C0", "y": "C1"}
     for number, part in enumerate((0.25, 0.5, 0.75)):  # at the scale of the heights
         for colour, along, first in (("C0", heights, 0), ("C1", heights.T, 3)):
             profile = 1e3 * along[int(part * len(along))]

@@ -55,22 +55,23 @@ _MARGIN = 2
 _COLOURS = 9
 """Colours of fixed steps: cells three apart in both directions, which share no neighbours."""
 _NEAR = 1e-9
-"""Relative distance of an overlap to that at which a pair breaks, below which it is checked."""
+"""Relative distance of an overlap from that at which a pair breaks, below which it is checked:
+much more than rounding of the stress ratio, so that what is known to hold changes no result."""
 _ROUNDING = 1e-14
-"""The same distance, over the heights that are summed to the overlap."""
+"""The same distance for rounding of the overlap, over the heights that are summed to it."""
 _MOST_PASSES = 4
 """Largest number of consecutive steps of one pair before it waits for its next turn."""
 
 
 class Cells(NamedTuple):
-    """Heights, approach [m], state of pairs, locked ones: flat, with margin; row ``stride``."""
+    """Fields of a grid as flat arrays with a margin, see `padded`."""
 
-    upper: np.ndarray
+    upper: np.ndarray  # heights of the walls [m], infinite in the margin
     lower: np.ndarray
-    approach: np.ndarray
-    kind: np.ndarray
-    locked: np.ndarray
-    stride: int
+    approach: np.ndarray  # offset less interaction [m]; with both heights it gives the overlap
+    kind: np.ndarray  # state of each pair, see `ContactLaw`
+    locked: np.ndarray  # whether a pair is beyond its strength, without a place for its gouge
+    stride: int  # cells from one row to the next
 
 
 class Due(NamedTuple):
@@ -86,29 +87,39 @@ class Due(NamedTuple):
     before: np.ndarray
 
 
-class Turns(NamedTuple):
-    """Waiting cells: colour and waiting flag by cell, list of cells and their count by colour."""
+class Walk(NamedTuple):
+    """Place in a step of closure that is walked through in short steps (resolved breakage).
 
-    colour: np.ndarray
-    waits: np.ndarray
-    lists: np.ndarray
-    counts: np.ndarray
+    ``growth`` is that of the approach [m] in the whole step, by cell; ``due`` what is to be
+    examined at later moments; ``moment`` the number of short steps that are done, and ``left`` the
+    share of the step that is to come.
+    """
+
+    growth: np.ndarray
+    due: Due
+    moment: int
+    left: float
+
+
+class Turns(NamedTuple):
+    """Cells that wait to be examined, in one list for each colour."""
+
+    colour: np.ndarray  # of each cell
+    waits: np.ndarray  # 1 for a cell that is in a list, else 0; 1 in the margin, which never waits
+    lists: np.ndarray  # cells (colours, most cells of a colour)
+    counts: np.ndarray  # number of waiting cells of each colour
 
 
 class WorkSpace(NamedTuple):
-    """Memory of `breakage_kernel` for one joint, which lasts from call to call.
-
-    ``holds_to`` is the approach [m] by cell up to which a pair is known to hold, -infinity if
-    nothing is known. ``following`` are the new walls of pairs that break together.
-    """
+    """Memory of `breakage_kernel` for one joint, which lasts from call to call."""
 
     cells: Cells
     turns: Turns
-    holds_to: np.ndarray
-    following: np.ndarray
-    taken: np.ndarray
-    some: np.ndarray
-    batch: np.ndarray
+    holds_to: np.ndarray  # approach [m] up to which a cell's pair is known to hold, or -infinity
+    following: np.ndarray  # new walls (2, cells) [m] of pairs that break together
+    taken: np.ndarray  # cells of the list that is worked off; at its start those that broke
+    some: np.ndarray  # cells of the pairs in the batch
+    batch: np.ndarray  # (1,), see `Batch`
 
 
 @kernel
@@ -137,9 +148,16 @@ def unpad(flat, field):
 
 @kernel
 def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, gouge, tie, band):
-    """Return the largest forces (n,) [N] of the contacts at the cells; see `breakage_kernel`."""
+    """Return the largest forces (n,) [N] that contacts at cells (n,) carry (resolved breakage).
+
+    ``curvature`` (n,) [1/m] and ``compliance`` (n,) [m N^(-2/3)] are those of the contacts, the
+    other parameters those of `breakage_kernel`. The strength is exceeded by half of the ``band``.
+    It is infinite for contacts without strength: flat ones, and with ``gouge`` those whose gouge
+    has no lower neighbour.
+    """
     nx = upper.shape[1]
-    around, falls = np.empty(8), np.empty(8)
+    around = np.empty(8)
+    falls = np.empty(8)
     limit = np.full(cells.size, np.inf)
     for i in range(cells.size):
         y, x = divmod(cells[i], nx)
@@ -202,7 +220,8 @@ def new_turns(ny, nx, colours):
 
 def work_space(shape: tuple[int, int], resolved: bool) -> WorkSpace:
     """Make the `WorkSpace` of a grid for resolved breakage, or for fixed steps."""
-    high, level = np.full(shape, math.inf), np.zeros(shape)
+    high = np.full(shape, math.inf)
+    level = np.zeros(shape)
     cells = padded_cells(high, high, level, np.zeros(shape, np.int64))
     return WorkSpace(
         cells,
@@ -217,7 +236,7 @@ def work_space(shape: tuple[int, int], resolved: bool) -> WorkSpace:
 
 @kernel
 def forget(holds_to, cell, reach, stride):
-    """Forget up to where the pairs within a number of cells of a changed one hold."""
+    """Forget what is known to hold of the pairs within ``reach`` cells of a changed cell."""
     for row in range(-reach, reach + 1):
         for near in range(cell + row * stride - reach, cell + row * stride + reach + 1):
             holds_to[near] = -math.inf
@@ -226,7 +245,9 @@ def forget(holds_to, cell, reach, stride):
 @kernel
 def take_over(space, upper, lower, offset, interaction, peaks):
     """Copy the present walls, approach [m] and states of the pairs (y, x) to the work space."""
-    cells, waits, holds_to = space.cells, space.turns.waits, space.holds_to
+    cells = space.cells
+    waits = space.turns.waits
+    holds_to = space.holds_to
     ny, nx = upper.shape
     for y in range(ny):
         start = (y + _MARGIN) * cells.stride + _MARGIN
@@ -234,7 +255,8 @@ def take_over(space, upper, lower, offset, interaction, peaks):
             cell = start + x
             same = upper[y, x] == cells.upper[cell] and lower[y, x] == cells.lower[cell]
             if not same or peaks[y, x] != cells.kind[cell]:
-                cells.upper[cell], cells.lower[cell] = upper[y, x], lower[y, x]
+                cells.upper[cell] = upper[y, x]
+                cells.lower[cell] = lower[y, x]
                 cells.kind[cell] = peaks[y, x]
                 forget(holds_to, cell, 1, cells.stride)
             cells.approach[cell] = offset - interaction[y, x]
@@ -247,12 +269,15 @@ def take_over(space, upper, lower, offset, interaction, peaks):
 def note_holding(batch, n, looked_at, cells, holds_to):
     """Note the approach up to which the pairs (n,) that do not break will hold."""
     for i in range(n):
-        cell, overlap, ratio = looked_at[i], batch.overlap[i], batch.stress_ratio[i]
+        cell = looked_at[i]
+        overlap = batch.overlap[i]
+        ratio = batch.stress_ratio[i]
         if batch.breaks[i] > 0.0 or not overlap > 0.0:
             continue
         holds_to[cell] = math.inf
         if ratio > 0.0:
-            approach, most = cells.approach[cell], overlap / ratio
+            approach = cells.approach[cell]
+            most = overlap / ratio
             heights = abs(cells.upper[cell]) + abs(cells.lower[cell]) + abs(approach)
             holds_to[cell] = approach + ((1.0 - _NEAR) * most - overlap) - _ROUNDING * heights
 
@@ -296,12 +321,13 @@ def no_cells_due(cells, short_steps):
 
 @kernel
 def set_due(due, cell, moment):
-    """Examine a cell at a moment, and at no other one; from the end of the step on at none."""
+    """Examine a cell at a moment, and at no other one; at none from the end of the step on."""
     old = due.moment[cell]
     if old == moment:
         return
     if old > 0:
-        after, before = due.after[cell], due.before[cell]
+        after = due.after[cell]
+        before = due.before[cell]
         if before < 0:
             due.first[old] = after
         else:
@@ -313,7 +339,8 @@ def set_due(due, cell, moment):
     due.moment[cell] = moment
     if moment > 0:
         after = due.first[moment]
-        due.after[cell], due.before[cell] = after, -1
+        due.after[cell] = after
+        due.before[cell] = -1
         if after >= 0:
             due.before[after] = cell
         due.first[moment] = cell
@@ -345,7 +372,9 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
         cell = looked_at[i]
         if batch.breaks[i] > 0.0:
             continue
-        rate, overlap, ratio = growth[cell] / last, batch.overlap[i], batch.stress_ratio[i]
+        rate = growth[cell] / last
+        overlap = batch.overlap[i]
+        ratio = batch.stress_ratio[i]
         following = last
         if rate > 0.0 and overlap != 0.0 and ratio != 0.0:
             missing = (allowed * overlap / ratio - overlap) / rate
@@ -458,9 +487,126 @@ def write_together(walls, broken, cells, turns, around):
         let_neighbours_wait(cells, turns, cell, around)
 
 
+@kernel
+def neighbour_offsets(stride):
+    """Return the offsets of cells around a cell in a flat array with rows of ``stride`` cells.
+
+    They are those of its eight neighbours, of these and the cell itself, and of the sixteen cells
+    two away from it.
+    """
+    up = stride
+    down = -stride
+    beside = np.array([down - 1, down, down + 1, -1, 1, up - 1, up, up + 1])
+    around = np.append(beside, 0)
+    ring = np.array([
+        2 * down - 2, 2 * down - 1, 2 * down, 2 * down + 1, 2 * down + 2,
+        down - 2, down + 2, -2, 2, up - 2, up + 2,
+        2 * up - 2, 2 * up - 1, 2 * up, 2 * up + 1, 2 * up + 2,
+    ])  # fmt: skip
+    return beside, around, ring
+
+
+@kernel
+def find_overstressed(space, looked_at, walk, law, rules, allowed, current_peaks, resolved):
+    """Examine waiting pairs (n,), of which most still hold; list those that break in `some`.
+
+    The pairs that break are in the batch of the work space with their corners. Their number is
+    returned.
+    """
+    batch = space.batch[0]
+    cells = space.cells
+    kind = cells.kind
+    some = space.some
+    n = looked_at.size
+    gather(
+        batch, n, looked_at, cells.upper, cells.lower, cells.approach,
+        walk.growth, walk.left, cells.stride, current_peaks,
+    )  # fmt: skip
+    if current_peaks:
+        find_peaks(batch, n, looked_at, kind)
+    set_laws(batch, n, looked_at, kind, law)
+    assess(batch, n, allowed, rules)
+    if walk.due.first.size > 1:
+        foresee(batch, n, looked_at, walk.growth, walk.due, walk.moment, allowed)
+    if not resolved:
+        note_holding(batch, n, looked_at, cells, space.holds_to)
+    n = pick_overstressed(batch, n, looked_at, cells, space.turns, some)
+    if n > 0:
+        gather(
+            batch, n, some, cells.upper, cells.lower, cells.approach,
+            walk.growth, walk.left, cells.stride, True,
+        )  # fmt: skip
+        set_laws(batch, n, some, kind, law)
+        batch.steps[:n] = 0.0
+    return n
+
+
+@kernel
+def break_batch(
+    space,
+    n,
+    law,
+    rules,
+    breakage_step,
+    band,
+    allowed,
+    broken,
+    beside,
+    gouge,
+    current_peaks,
+    resolved,
+):
+    """Break the n pairs of the batch up to `_MOST_PASSES` steps in a row, and write them back.
+
+    Resolved breakage adds their changes to the following walls and lists their cells in ``taken``,
+    of which ``broken`` are listed before. Returned are the number of steps of all pairs, and of the
+    cells in that list.
+    """
+    batch = space.batch[0]
+    cells = space.cells
+    some = space.some
+    following = space.following
+    taken = space.taken
+    steps = 0
+    for turn in range(_MOST_PASSES):
+        if current_peaks and turn > 0:
+            find_peaks(batch, n, some, cells.kind)
+            set_laws(batch, n, some, cells.kind, law)
+        assess(batch, n, allowed, rules)
+        if gouge:
+            measure_drops(batch, n, UPPER, rules.tie_tolerance)
+            measure_drops(batch, n, LOWER, rules.tie_tolerance)
+        share_losses(batch, n, gouge)
+        for i in range(n if gouge else 0):
+            cells.locked[some[i]] |= batch.locked[i] > 0.0
+        breaking = int(batch.breaks[:n].sum())
+        if resolved:
+            n, broken = take_out_resting(batch, n, some, cells, following, taken, broken)
+        if breaking == 0:
+            break
+        steps += breaking
+        if resolved:
+            returning_losses(batch, n, band, rules)
+        else:
+            fixed_losses(batch, n, breakage_step)
+        shed_losses(batch, n, UPPER, rules.tie_tolerance, gouge)
+        shed_losses(batch, n, LOWER, rules.tie_tolerance, gouge)
+    if resolved:
+        for i in range(n):
+            broken = add_changes(batch, i, some[i], cells, following, taken, broken)
+    else:
+        write_back(batch, n, some, breaking > 0, cells, space.turns, space.holds_to, beside)
+    return steps, broken
+
+
 @lru_cache(maxsize=None)
 def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: bool):
-    """Return the kernel that breaks all pairs until rest at a fixed interaction."""
+    """Return the kernel that breaks all pairs until rest at a fixed interaction.
+
+    What is off is not compiled: ``gouge``; ``current_peaks``, peaks of the present walls instead of
+    those of the pristine ones; ``resolved``, in place of fixed steps; ``bounded``, a strength that
+    is bounded by the base of an asperity.
+    """
 
     @kernel
     def break_to_rest(
@@ -478,24 +624,28 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         growth,
         short_steps,
     ):
+        """Break pairs; return the number of breakage steps, and which cells (y, x) are locked.
+
+        Walls ``upper`` and ``lower`` (y, x) [m], and the states ``peaks`` (y, x) of pairs, are
+        changed in place. The overlap of a pair is the sum of both heights and the ``offset`` [m],
+        closure from first touch, less the ``interaction`` (y, x) [m]. Fixed steps lower a pair by
+        ``breakage_step`` [m]; resolved breakage lets stress ratios lie up to half of the ``band``
+        above 1. Height differences up to ``tie_tolerance`` [m] make no neighbour lower. With more
+        than one of the ``short_steps`` the offset is that at the end of a step, in which the
+        approach grows by ``growth`` (y, x) [m]. Breakage ends unfinished after ``most_steps``.
+        """
         ny, nx = upper.shape
         take_over(space, upper, lower, offset, interaction, peaks)
-        batch, cells, turns, holds_to = space.batch[0], space.cells, space.turns, space.holds_to
-        stride, kind, walls = cells.stride, cells.kind, cells[:3]
+        cells = space.cells
+        turns = space.turns
+        following = space.following
+        taken = space.taken
+        beside, around, ring = neighbour_offsets(cells.stride)
         colours = 1 if resolved else _COLOURS
-        up, down = stride, -stride
-        beside = np.array([down - 1, down, down + 1, -1, 1, up - 1, up, up + 1])
-        around = np.append(beside, 0)
-        ring = np.array([
-            2 * down - 2, 2 * down - 1, 2 * down, 2 * down + 1, 2 * down + 2,
-            down - 2, down + 2, -2, 2, up - 2, up + 2,
-            2 * up - 2, 2 * up - 1, 2 * up, 2 * up + 1, 2 * up + 2,
-        ])  # fmt: skip
         walks = short_steps > 1
         growing = padded(growth, 0.0) if walks else cells.approach
         due = no_cells_due(cells.upper.size if walks else 0, short_steps)
-        moment, left = 0, 1.0 if walks else 0.0
-        following, taken, some = space.following, space.taken, space.some
+        walk = Walk(growing, due, 0, 1.0 if walks else 0.0)
         if resolved:
             assign(following[UPPER], cells.upper)
             assign(following[LOWER], cells.lower)
@@ -505,84 +655,47 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         steps = 0
         seen = -1  # steps when all cells were last checked
         if walks:
-            let_overlapping_wait(cells, turns, holds_to)
+            let_overlapping_wait(cells, turns, space.holds_to)
         colour = 0
         while steps < most_steps:
             if turns.counts.sum() == 0:
                 if walks:
-                    moment += 1
+                    moment = walk.moment + 1
                     if moment == short_steps:
                         break
-                    left = 1.0 - moment / short_steps
+                    walk = Walk(growing, due, moment, 1.0 - moment / short_steps)
                     let_due_wait(due, moment, turns)
                     continue
                 # breakage changes curvatures up to two cells away: check all cells again
                 if seen == steps:
                     break
                 seen = steps
-                let_overlapping_wait(cells, turns, holds_to)
+                let_overlapping_wait(cells, turns, space.holds_to)
             colour = (colour + 1) % colours
-            number, broken = turns.counts[colour], 0
+            number = turns.counts[colour]
+            broken = 0
             turns.counts[colour] = 0
             assign(taken, turns.lists[colour, :number])
             for first in range(0, number, BATCH):
                 looked_at = taken[first : min(first + BATCH, number)]
-                n = looked_at.size
-                # most checked cells still hold
-                gather(batch, n, looked_at, *walls, growing, left, stride, current_peaks)
-                if current_peaks:
-                    find_peaks(batch, n, looked_at, kind)
-                set_laws(batch, n, looked_at, kind, law)
-                assess(batch, n, allowed, rules)
-                if walks:
-                    foresee(batch, n, looked_at, growing, due, moment, allowed)
-                if not resolved:
-                    note_holding(batch, n, looked_at, cells, holds_to)
-                n = pick_overstressed(batch, n, looked_at, cells, turns, some)
-                if n == 0:
-                    continue
-                gather(batch, n, some, *walls, growing, left, stride, True)
-                set_laws(batch, n, some, kind, law)
-                batch.steps[:n] = 0.0
-                for turn in range(_MOST_PASSES):
-                    if current_peaks and turn > 0:
-                        find_peaks(batch, n, some, kind)
-                        set_laws(batch, n, some, kind, law)
-                    assess(batch, n, allowed, rules)
-                    if gouge:
-                        measure_drops(batch, n, UPPER, tie_tolerance)
-                        measure_drops(batch, n, LOWER, tie_tolerance)
-                    share_losses(batch, n, gouge)
-                    for i in range(n if gouge else 0):
-                        cells.locked[some[i]] |= batch.locked[i] > 0.0
-                    breaking = int(batch.breaks[:n].sum())
-                    if resolved:
-                        n, broken = take_out_resting(
-                            batch, n, some, cells, following, taken, broken
-                        )
-                    if breaking == 0:
-                        break
-                    steps += breaking
-                    if resolved:
-                        returning_losses(batch, n, band, rules)
-                    else:
-                        fixed_losses(batch, n, breakage_step)
-                    shed_losses(batch, n, UPPER, tie_tolerance, gouge)
-                    shed_losses(batch, n, LOWER, tie_tolerance, gouge)
-                if resolved:
-                    for i in range(n):
-                        broken = add_changes(batch, i, some[i], cells, following, taken, broken)
-                else:
-                    write_back(batch, n, some, breaking > 0, cells, turns, holds_to, beside)
+                n = find_overstressed(
+                    space, looked_at, walk, law, rules, allowed, current_peaks, resolved
+                )
+                if n > 0:
+                    more, broken = break_batch(
+                        space, n, law, rules, breakage_step, band, allowed, broken, beside,
+                        gouge, current_peaks, resolved,
+                    )  # fmt: skip
+                    steps += more
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
                 if walks:
-                    let_ring_be_due(cells, due, taken[:broken], ring, moment)
+                    let_ring_be_due(cells, due, taken[:broken], ring, walk.moment)
         if steps > 0:
             unpad(cells.upper, upper)
             unpad(cells.lower, lower)
         if current_peaks:
-            unpad(kind, peaks)
+            unpad(cells.kind, peaks)
         locked = np.empty((ny, nx), np.bool_)
         unpad(cells.locked, locked)
         return steps, locked

@@ -48,7 +48,10 @@ def wall_curvature(here, west, east, south, north, least_curvature, concave, spa
 @kernel
 def curvature_among(here, neighbours, law):
     """Compute `wall_curvature` of a cell from the heights of its `neighbourhood` (8,) [1/m]."""
-    south, west, east, north = neighbours[1], neighbours[3], neighbours[4], neighbours[6]
+    south = neighbours[1]
+    west = neighbours[3]
+    east = neighbours[4]
+    north = neighbours[6]
     return wall_curvature(
         here, west, east, south, north, law.least_curvature, law.concave, law.spacing
     )

@@ -14,7 +14,7 @@ from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.solvers.interaction_operator import Influence, add_multiple, single_product
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 
-MOST_CONJUGATE_GRADIENT_STEPS = 1000
+MOST_CONJUGATE_GRADIENT_STEPS = 1000  # of one Newton direction, which then is what was reached
 _FEWEST_CONTACTS = 100
 """Smallest number of contacts for patches; with fewer, plain steps are cheaper."""
 
@@ -25,25 +25,44 @@ def newton_direction(
 ):
     """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 
-    In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on sum d keeps y in a
-    plane. The residual and the preconditioned residual are projected on this plane. K d, the sum of
-    the products, is added to the displacement, see `Iterate.field`.
+    It differs from the textbook's conjugate gradients with a preconditioner in four ways. The
+    unknowns are scaled: in y = sqrt(D) d the system is I + W K W, W = D^(-1/2). With a given
+    ``shortfall`` [N] of the total force the sum of d is that, so that y lies in a plane: residual
+    and preconditioned residual are projected on this plane, and the shift is the Lagrange
+    multiplier of the condition. Products with K are in single precision, so that the residual is no
+    better than that; what the products add up to is the displacement K d, which is added to
+    ``displacement`` (see `Iterate.field`) without another product. And the iteration also ends when
+    a preconditioned residual is no longer positive, where only rounding is left.
+
+    Parameters
+    ----------
+    influence, matrix, cells
+        Interaction, as a convolution or a matrix, and the cells (n,) of the contacts.
+    space : CoarseSpace
+        Preconditioner.
+    step, secant
+        Step (n,) [N] of each contact alone, and secant compliance (n,) [m/N], infinite if open.
+    shortfall
+        Missing total force [N], NaN if the shift is given.
+    tolerance
+        Largest norm of the residual of y over that at the start.
+    displacement
+        Interaction [m] of the present forces.
+
+    Returns
+    -------
+    The direction d (n,) [N], the shift [m], and the number of products.
     """
-    direction = np.zeros(step.size)
     # most cells that overlap are out of contact
     active = np.arange(step.size) if matrix.size > 0 else np.flatnonzero(secant < np.inf)
     n = active.size
-    cells, step, secant = cells[active], step[active], secant[active]
-    weight = np.zeros(n)
-    rest = np.zeros(n)
+    cells = cells[active]
+    weight, rest = scaled_steps(step[active], secant[active])
     normal = np.zeros(n)
-    for i in range(n):
-        if secant[i] < np.inf:
-            weight[i] = 1.0 / np.sqrt(secant[i])
-            rest[i] = step[i] / weight[i]
     size = np.sqrt(inner(weight, weight))
     bound = not math.isnan(shortfall) and size > 0.0
-    solution, image = np.zeros(n), np.zeros(n)
+    solution = np.zeros(n)
+    image = np.zeros(n)
     used = 0
     if bound:
         normal = weight / size
@@ -82,28 +101,44 @@ def newton_direction(
         for i in range(n):
             search[i] = ahead[i] + following / square * search[i]
         square = following
+    direction = np.zeros(step.size)
     for i in range(n):
         direction[active[i]] = weight[i] * solution[i]
     return direction, shift, used
 
 
-class CoarseSpace(NamedTuple):
-    """Number (p,) of each patch of the grid, -1 without contact, and inverse (c, c) of the system.
+@kernel
+def scaled_steps(step, secant):
+    """Return weights W = D^(-1/2) (n,) and scaled steps W^-1 step (n,), 0 for open contacts."""
+    weight = np.zeros(step.size)
+    scaled = np.zeros(step.size)
+    for i in range(step.size):
+        if secant[i] < np.inf:
+            weight[i] = 1.0 / np.sqrt(secant[i])
+            scaled[i] = step[i] / weight[i]
+    return weight, scaled
 
-    It stays a preconditioner when contacts and stiffnesses change; contacts in new patches have no
+
+class CoarseSpace(NamedTuple):
+    """Preconditioner of conjugate gradients: a system between patches of cells.
+
+    It differs from the textbook's two-level methods: coarse functions are constant overlaps of the
+    contacts of a patch, there is no smoothing, as conjugate gradients remove the rest, and the
+    coarse system is not made of the matrix but of the mean influence between whole patches. It
+    stays a preconditioner when contacts and stiffnesses change; contacts in new patches have no
     share.
     """
 
-    number: np.ndarray
-    inverse: np.ndarray
+    number: np.ndarray  # of each patch of the grid (p,) in the system, -1 without contact
+    inverse: np.ndarray  # of the system between the patches (c, c)
 
 
 class Shares(NamedTuple):
-    """Contacts (m,) with a share in a patch, the patch (m,), and the share (m,)."""
+    """Coarse functions Z at the m contacts that are in a patch of the coarse space."""
 
-    contact: np.ndarray
-    patch: np.ndarray
-    share: np.ndarray
+    contact: np.ndarray  # index of the contact (m,)
+    patch: np.ndarray  # its patch (m,)
+    share: np.ndarray  # value of the patch's function, of norm 1 over the patch (m,)
 
 
 NO_COARSE_SPACE = CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
@@ -136,7 +171,8 @@ def coarse_space(influence: Influence, cells, stiffness):
     for i in range(n):
         if stiffness[i] > 0.0:
             total[number[influence.patch_of[cells[i]]]] += stiffness[i]
-    system, root = np.empty((count, count)), np.sqrt(total)
+    system = np.empty((count, count))
+    root = np.sqrt(total)
     for p in range(count):
         for q in range(p + 1):
             distance = (abs(place[p, 0] - place[q, 0]), abs(place[p, 1] - place[q, 1]))
@@ -149,7 +185,8 @@ def coarse_space(influence: Influence, cells, stiffness):
 @kernel
 def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
     """Return the `Shares` of the contacts in their patches: W over its norm in the patch."""
-    n, count = weight.size, space.inverse.shape[0]
+    n = weight.size
+    count = space.inverse.shape[0]
     contact = np.empty(n if count > 0 else 0, np.int64)
     patch = np.empty(contact.size, np.int64)
     square = np.zeros(count)
@@ -158,9 +195,12 @@ def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
         number = space.number[influence.patch_of[cells[i]]]
         if weight[i] > 0.0 and number >= 0:
             square[number] += weight[i] * weight[i]
-            contact[m], patch[m] = i, number
+            contact[m] = i
+            patch[m] = number
             m += 1
-    contact, patch, share = contact[:m], patch[:m], np.empty(m)
+    contact = contact[:m]
+    patch = patch[:m]
+    share = np.empty(m)
     for k in range(m):
         share[k] = weight[contact[k]] / np.sqrt(square[patch[k]])
     return Shares(contact, patch, share)
@@ -173,7 +213,9 @@ def precondition(space: CoarseSpace, shares: Shares, residual):
     count = space.inverse.shape[0]
     if count == 0:
         return answer
-    contact, patch, share = shares.contact, shares.patch, shares.share
+    contact = shares.contact
+    patch = shares.patch
+    share = shares.share
     coarse = np.zeros(count)
     for k in range(contact.size):
         coarse[patch[k]] += share[k] * residual[contact[k]]

@@ -14,35 +14,44 @@ from jointclosure.mechanics.contact import (
     force_of_overlap,
     force_of_root,
     overlap_of_force,
-    root_from,
+    root_bound,
     shorter_root,
 )
 
 
 class Contacts(NamedTuple):
-    """Cells (n,) by flat index, overlap g [m], compliance B [m N^(-2/3)], limit C [N]; A [m/N]."""
+    """Contacts that may carry force, in the symbols of `jointclosure.solvers.equilibrium`."""
 
-    cells: np.ndarray
-    overlap: np.ndarray
-    compliance: np.ndarray
-    limit: np.ndarray
-    substrate: float
+    cells: np.ndarray  # flat index (n,)
+    overlap: np.ndarray  # g (n,) [m], without interaction
+    compliance: np.ndarray  # B of the asperities (n,) [m N^(-2/3)]
+    limit: np.ndarray  # C, largest force (n,) [N]
+    substrate: float  # compliance A [m/N]
 
 
 @kernel
 def contact_roots(contacts, overlap, guess):
-    """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none."""
-    n, substrate = overlap.size, contacts.substrate
+    """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none.
+
+    Newton's method as in `force_of_overlap`, but all contacts do a step before the next one, so
+    that steps are vector code; a root that is found is kept.
+    """
+    n = overlap.size
+    substrate = contacts.substrate
     root = np.empty(n)
     unsolved = np.empty(n, np.int64)
-    sought, compliance, bound = np.empty(n), np.empty(n), np.empty(n)
+    sought = np.empty(n)
+    compliance = np.empty(n)
+    bound = np.empty(n)
     left = np.ones(n)
     m = 0
     for i in range(n):
-        root[i], exact = root_from(overlap[i], substrate, contacts.compliance[i], guess[i])
+        root[i], exact = root_bound(overlap[i], substrate, contacts.compliance[i], guess[i])
         if not exact:
             unsolved[m] = i
-            sought[m], compliance[m], bound[m] = overlap[i], contacts.compliance[i], root[i]
+            sought[m] = overlap[i]
+            compliance[m] = contacts.compliance[i]
+            bound[m] = root[i]
             m += 1
     for _ in range(MOST_ROOT_STEPS):
         number = 0.0
@@ -61,7 +70,11 @@ def contact_roots(contacts, overlap, guess):
 
 @kernel
 def contact_response(contacts, shift, elastic_displacement, force, answer, secant):
-    """Compute the forces for given overlaps, and secants from the present forces."""
+    """Set answers G = min(C, psi(g + D - K F)) (n,) [N] to forces F, and secants (n,) [m/N].
+
+    A secant is the change of a contact's overlap over that of its force, from F to G; for equal
+    forces it is the tangent, and infinite for an open contact. Returned are sum |F - G| and sum G.
+    """
     difference = 0.0
     total = 0.0
     substrate = contacts.substrate
@@ -72,7 +85,9 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
             present_root[i] = cube_root(force[i])
     roots = contact_roots(contacts, overlaps, present_root)
     for i in range(force.size):
-        overlap, compliance, root = overlaps[i], contacts.compliance[i], present_root[i]
+        overlap = overlaps[i]
+        compliance = contacts.compliance[i]
+        root = present_root[i]
         new, slope = force_of_root(roots[i], substrate, compliance)
         if new > contacts.limit[i]:
             new = contacts.limit[i]
@@ -105,7 +120,10 @@ def energy(contacts, shift, elastic_displacement, force):
 
 @kernel
 def coordinate_sweep(table, contacts, shift, force):
-    """Minimise the energy exactly contact by contact, in one pass and in place."""
+    """Minimise the energy exactly contact by contact, in one pass and in place (Gauss-Seidel).
+
+    Return the largest relative change of a force.
+    """
     nx = table.shape[1]
     cells = contacts.cells
     change = 0.0
@@ -135,13 +153,17 @@ def separate_equilibrium(contacts, shift):
 
 @kernel
 def separate_shift(contacts, target):
-    """Compute the shift D [m] at which contacts without interaction carry a force [N]."""
+    """Compute the shift D [m] at which contacts without interaction carry a force [N].
+
+    Newton's method for the total force, which increases with the shift, within a bracket: where a
+    step leaves it, the bracket is halved instead. The start is the shift at which the tallest
+    contact alone carries the force.
+    """
     tallest = 0
     for i in range(1, contacts.overlap.size):
         if contacts.overlap[i] > contacts.overlap[tallest]:
             tallest = i
     low = -contacts.overlap[tallest]
-    # the tallest contact alone would carry the force at
     shift = low + overlap_of_force(target, contacts.substrate, contacts.compliance[tallest])
     high = np.inf
     for _ in range(200):
@@ -172,7 +194,8 @@ def separate_shift(contacts, target):
 @kernel
 def start_forces(force, cells, overlap):
     """Return forces (n,) of a start at cells (n,): present ones (y, x), 0 if negative or apart."""
-    start, flat = np.zeros(cells.size), force.ravel()
+    start = np.zeros(cells.size)
+    flat = force.ravel()
     for i in range(cells.size):
         if overlap[i] > 0.0 and flat[cells[i]] > 0.0:
             start[i] = flat[cells[i]]

@@ -12,34 +12,37 @@ from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-10
 """Relative residual of the forces, even if `Numerics.force_tolerance` is larger."""
-_FIRST_CANDIDATES = 48
+_FIRST_CANDIDATES = 48  # cells that are candidates at first; more follow where closures ask
 _FEW = 0.1
 """Share of `dense_limit` up to which all candidates are in the working set."""
 
 
 class _Point(NamedTuple):
-    """Forces [N], gaps (overlap less interaction, a bound, or NaN) of all cells, closure [m]."""
+    """Solved point of the elastic curve, or the guess of one."""
 
-    force: np.ndarray
-    gap: np.ndarray
-    closure: float
-    target: float
+    force: np.ndarray  # of all cells (n,) [N]
+    gap: np.ndarray  # overlap less interaction (n,) [m], or an upper bound of it; NaN if unknown
+    closure: float  # [m]
+    target: float  # total force [N]
 
 
 class _Candidates:
     """Cells that may be in contact up to some closure, and their influence on each other.
 
-    Equilibrium is solved for a *working set*, to which further cells that come into contact are
-    added.
+    Equilibrium is solved for a *working set* of these cells. It differs from the textbook's active
+    set: all cells that come into contact are added at once, and none is taken out, as the law of a
+    contact itself sets the force of an open one to 0.
     """
 
     def __init__(self, joint: Joint, reach: float):
-        self.joint, self.reach = joint, reach
+        self.joint = joint
+        self.reach = reach
         self.tolerance = min(joint.numerics.force_tolerance, ELASTIC_TOLERANCE)
         cells, overlap, self.curvature, compliance = joint.overlapping(reach)
         # overlaps at closure 0, none positive
         self.contacts = joint.contacts(cells, overlap - reach, compliance)
-        self.influence, self.matrix = None, None
+        self.influence = None
+        self.matrix = None
         self.few = cells.size <= _FEW * dense_limit(joint.upper.shape)
         if joint.effects.interaction:
             table = joint.influence_table
@@ -48,7 +51,8 @@ class _Candidates:
 
     def solve(self, guess: _Point, target: float) -> tuple[Equilibrium, np.ndarray]:
         """Solve equilibrium at a total force [N]; return it and the gap [m] of the candidates."""
-        cells, closure = self.contacts.cells, min(guess.closure, self.reach)
+        cells = self.contacts.cells
+        closure = min(guess.closure, self.reach)
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
         force = guess.force[cells]
         if self.influence is None or self.few:
@@ -65,7 +69,10 @@ class _Candidates:
     def _solve_working_set(
         self, start: Contacts, force: np.ndarray, inside: np.ndarray, target: float
     ) -> tuple[Equilibrium, np.ndarray]:
-        near, newton_steps, products = self.joint.neighbours, 0, 0
+        """Solve among the cells ``inside`` (n,), and add missed ones until none overlaps."""
+        near = self.joint.neighbours
+        newton_steps = 0
+        products = 0
         while True:
             some = Contacts._make((*(values[inside] for values in start[:4]), start.substrate))
             contacts, matrix = self.joint.with_matrix(some)
@@ -99,33 +106,33 @@ class _Candidates:
 
 def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
     """Close an elastic joint to each of several total forces."""
-    candidates = _Candidates(joint, _reach_of(joint, _FIRST_CANDIDATES))
+    candidates = _Candidates(joint, _closure_of_overlaps(joint, _FIRST_CANDIDATES))
     solved: list[_Point] = []
     settled = []
     for target in targets:
         while True:
-            guess = _predicted(solved, target, candidates.contacts, joint.upper.size)
+            guess = _starting_point(solved, target, candidates.contacts, joint.upper.size)
             solution, gap = candidates.solve(guess, target)
             if not solution.shift > candidates.reach or not np.isfinite(solution.shift):
                 break
             candidates = _Candidates(joint, 1.3 * solution.shift)
-        point = _Point(*_nowhere(joint.upper.size), solution.shift, target)
+        point = _Point(*_open_state(joint.upper.size), solution.shift, target)
         point.force[candidates.contacts.cells] = solution.force
         point.gap[candidates.contacts.cells] = gap
         solved = [*solved[-1:], point]
         joint.force[:] = point.force.reshape(joint.force.shape)
-        settled.append(_settled(joint, candidates, solution))
+        settled.append(_described_solution(joint, candidates, solution))
         if settled[-1].outcome != Outcome.CONVERGED:
             break
     return settled
 
 
-def _nowhere(size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return forces without contact, and unknown gaps."""
+def _open_state(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return forces (n,) of cells without contact, and unknown gaps (n,)."""
     return np.zeros(size), np.full(size, np.nan)
 
 
-def _reach_of(joint: Joint, count: int) -> float:
+def _closure_of_overlaps(joint: Joint, count: int) -> float:
     """Return the closure [m] at which about ``count`` cells overlap, at least one."""
     summed = (joint.upper + joint.lower).ravel()
     rank = max(summed.size - count, 0)
@@ -133,10 +140,10 @@ def _reach_of(joint: Joint, count: int) -> float:
     return reach + 4.0 * float(np.spacing(abs(joint.first_touch)))
 
 
-def _predicted(solved: list[_Point], target: float, contacts: Contacts, size: int) -> _Point:
+def _starting_point(solved: list[_Point], target: float, contacts: Contacts, size: int) -> _Point:
     """Return a starting point: extrapolated, or that without interaction."""
     if not solved:
-        force, gap = _nowhere(size)
+        force, gap = _open_state(size)
         closure = separate_shift(contacts, target)
         alone = separate_equilibrium(contacts, closure)
         force[contacts.cells] = np.nan_to_num(alone, posinf=target)
@@ -153,7 +160,7 @@ def _predicted(solved: list[_Point], target: float, contacts: Contacts, size: in
     return _Point(np.maximum(force, 0.0), gap, closure, target)
 
 
-def _settled(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
+def _described_solution(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
     total = float(solution.force.sum())
     outcome = (
         Outcome.CONVERGED if solution.residual <= candidates.tolerance else Outcome.NOT_CONVERGED
@@ -161,7 +168,8 @@ def _settled(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Se
     if solution.residual == np.inf:
         outcome = Outcome.RIGID_CONTACT
     flat = joint.force_on_flats(candidates.curvature, solution.force)
-    contacts, force = candidates.contacts, solution.force
+    contacts = candidates.contacts
+    force = solution.force
     overlap = np.full(force.size, np.nan)  # unknown where a rigid contact has an infinite force
     if outcome != Outcome.RIGID_CONTACT:
         overlap = contacts.substrate * force + contacts.compliance * np.cbrt(force) ** 2

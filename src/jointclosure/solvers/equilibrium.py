@@ -24,7 +24,7 @@ from jointclosure.solvers.contacts import (
 from jointclosure.solvers.interaction_operator import Influence, dense_limit, influence_matrix
 from jointclosure.solvers.newton import ROUNDING, Equilibrium, interacting_equilibrium
 
-_MOST_DOUBLINGS = 200
+_MOST_DOUBLINGS = 200  # of the width in which a shift is searched; chosen
 _NOTHING = np.empty((0, 0))
 
 
@@ -46,14 +46,15 @@ def solve_equilibrium(
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
         nowhere = np.full(n, np.nan)
-        return _without_field(nowhere, nowhere.copy(), math.nan, math.nan)
+        return _direct_solution(nowhere, nowhere.copy(), math.nan, math.nan)
     if influence is None or n == 0:
-        solution = _separate(contacts, float(target))
+        solution = _separate_solution(contacts, float(target))
         return solution._replace(residual=max(solution.residual, ROUNDING if n else 0.0))
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
         matrix = influence_matrix(influence.table, contacts.cells) if dense else _NOTHING
-    problem, sought = (influence, matrix, contacts), (float(target), float(tolerance))
+    problem = (influence, matrix, contacts)
+    sought = (float(target), float(tolerance))
     solution = interacting_equilibrium(
         *problem,
         start,
@@ -68,12 +69,12 @@ def solve_equilibrium(
         solution = again if not solution.residual <= again.residual else solution
         solution = solution._replace(newton_steps=steps, products=products)
     if not math.isnan(target) and not solution.residual <= tolerance:
-        solution = _bracketed(*problem, *sought, solution)
+        solution = _solve_by_bracketing(*problem, *sought, solution)
     # the residual cannot be computed more exactly than this
     return solution._replace(residual=max(solution.residual, ROUNDING))
 
 
-def _separate(contacts: Contacts, target: float) -> Equilibrium:
+def _separate_solution(contacts: Contacts, target: float) -> Equilibrium:
     """Solve contacts without interaction: one equation for the shift, if it is unknown."""
     given = math.isnan(target) or contacts.cells.size == 0
     shift = 0.0 if given else separate_shift(contacts, target)
@@ -83,22 +84,31 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
         residual = 0.0 if math.isfinite(total) else np.inf
     else:
         residual = abs(total - target) / target if total > 0.0 else np.inf
-    return _without_field(force, np.zeros(force.size), shift, residual)
+    return _direct_solution(force, np.zeros(force.size), shift, residual)
 
 
-def _without_field(
+def _direct_solution(
     force: np.ndarray, interaction: np.ndarray, shift: float, residual: float
 ) -> Equilibrium:
+    """Return forces (n,) [N] that were found without Newton's method or products."""
     return Equilibrium(force, interaction, _NOTHING, shift, residual, 0, 0, NO_COARSE_SPACE)
 
 
-def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
-    """Solve for the shift as a root of the total force, which increases with the shift."""
-    best, steps, products = start, start.newton_steps, start.products
+def _solve_by_bracketing(
+    influence, matrix, contacts, target, tolerance, start: Equilibrium
+) -> Equilibrium:
+    """Solve for the shift as a root of the total force, which increases with the shift.
+
+    The bracket starts at the first contact, and is doubled until the total force is too large;
+    Brent's method finds the root, where every evaluation is an equilibrium at a given shift.
+    """
+    best = start
+    steps = start.newton_steps
+    products = start.products
     if math.isnan(start.residual):
         best = start._replace(force=np.zeros(start.force.size))
 
-    def at(shift: float) -> float:
+    def excess_at(shift: float) -> float:
         nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         solution = interacting_equilibrium(
@@ -113,13 +123,14 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
     low = -float(contacts.overlap.max())
     high = max(start.shift if math.isfinite(start.shift) else low, 0.5 * low)
     for _ in range(_MOST_DOUBLINGS):
-        excess = at(high)
+        excess = excess_at(high)
         if not excess < 0.0:
             break
         high += high - low
     if not 0.0 <= excess < np.inf:
         return best._replace(residual=math.nan, newton_steps=steps, products=products)
-    at(scipy.optimize.brentq(at, low, high, xtol=1e-14 * (high - low), rtol=1e-14))
+    root = scipy.optimize.brentq(excess_at, low, high, xtol=1e-14 * (high - low), rtol=1e-14)
+    excess_at(root)  # sets `best`
     missing = abs(float(best.force.sum()) - target) / target
     residual = max(best.residual, missing)
     return best._replace(residual=residual, newton_steps=steps, products=products)

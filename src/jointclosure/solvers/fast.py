@@ -33,7 +33,7 @@ BAND = 2.8
 """Width of the band about its strength in which a contact is at rest, over `Numerics.tolerance`."""
 SHORT_STEPS = 8
 """Short steps of breakage in a step of closure with resolved breakage."""
-MOST_ROUNDS = 1000
+MOST_ROUNDS = 1000  # equilibria of one closure after which a joint counts as not at rest; chosen
 _NO_GROWTH = np.zeros((0, 0))
 _CLEAR_OF_STRENGTH = 0.98
 """Share of its strength below which a contact with an approximate force is assumed to hold."""
@@ -54,7 +54,7 @@ class FastSolver:
         try:
             if not joint.effects.breakage:
                 path.solve(asked)
-            elif _resolved(joint):
+            elif _is_resolved(joint):
                 predicted = path.begin_within_strength(step, asked)
                 path.alternate(asked)
             else:
@@ -68,9 +68,9 @@ class FastSolver:
         except _GivenUp as given_up:
             settled = path.described(given_up.outcome)
         if step != 0.0:
-            _note_rates(joint, before, step)
+            _store_rates(joint, before, step)
         joint.closure[...] = closure
-        if settled.effort.breakage_steps > 0 and _resolved(joint):
+        if settled.effort.breakage_steps > 0 and _is_resolved(joint):
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled
 
@@ -83,7 +83,7 @@ class FastSolver:
             finest = joint.numerics.force_tolerance
             path.extrapolate(step)
             force = float(path.solve(max(residual, finest)).force.sum())
-            _note_rates(joint, before, step)
+            _store_rates(joint, before, step)
         except _GivenUp:
             force = np.inf
         joint.interaction[:], joint.force[:] = before
@@ -101,7 +101,9 @@ class _PathToRest:
     """Joint on its way to rest at a closure [m]; residual ``solved_to``, and effort."""
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
-        self.joint, self.closure, self.breakage_step = joint, closure, breakage_step
+        self.joint = joint
+        self.closure = closure
+        self.breakage_step = breakage_step
         self.locked = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
@@ -123,7 +125,7 @@ class _PathToRest:
         self.extrapolate(step)
         # otherwise breakage is checked after the forces are solved
         may_break = step > 0.0 and self.closure > self.joint.held_to
-        self.solve(_stages(asked)[0] if may_break and self.break_to_rest() > 0 else asked)
+        self.solve(_stage_tolerances(asked)[0] if may_break and self.break_to_rest() > 0 else asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
         """Break along a step [m] and solve the first equilibrium at its end (resolved breakage)."""
@@ -131,7 +133,7 @@ class _PathToRest:
         may_break = step > 0.0 and self.closure > self.joint.held_to
         if may_break:
             self.break_in_short_steps(step)
-        return float(self.solve(_stages(asked)[0] if may_break else asked).force.sum())
+        return float(self.solve(_stage_tolerances(asked)[0] if may_break else asked).force.sum())
 
     def extrapolate(self, step: float) -> None:
         """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
@@ -142,7 +144,7 @@ class _PathToRest:
 
     def alternate(self, asked: float) -> None:
         """Repeat rounds until an equilibrium with the required residual breaks nothing."""
-        stages = _stages(asked)
+        stages = _stage_tolerances(asked)
         stage = 0
         while True:
             if self.break_to_rest() == 0:
@@ -171,14 +173,27 @@ class _PathToRest:
         """Break pairs in short steps, in which the approach grows (y, x) [m]; return the steps."""
         joint = self.joint
         choices = joint.choices
-        rules = joint.effects.gouge, choices.peaks == "current", _resolved(joint)
         most = int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
-        walls = joint.upper, joint.lower, float(self.closure - joint.first_touch)
-        pairs = joint.interaction, joint.peaks, joint.law
-        losses = float(self.breakage_step), _band(joint), joint.tie_tolerance
-        kernel = breakage_kernel(*rules, choices.strength_bound == "base")
+        kernel = breakage_kernel(
+            joint.effects.gouge,
+            choices.peaks == "current",
+            _is_resolved(joint),
+            choices.strength_bound == "base",
+        )
         steps, self.locked = kernel(
-            *walls, *pairs, *losses, most, joint.breakage_space, growth, short_steps
+            joint.upper,
+            joint.lower,
+            float(self.closure - joint.first_touch),
+            joint.interaction,
+            joint.peaks,
+            joint.law,
+            float(self.breakage_step),
+            _strength_band(joint),
+            joint.tie_tolerance,
+            most,
+            joint.breakage_space,
+            growth,
+            short_steps,
         )
         self.breakage_steps += steps
         if steps > 0:
@@ -208,7 +223,7 @@ class _PathToRest:
         if answer.field.size > 0:
             joint.interaction[:] = answer.field
         elif joint.influence is not None:
-            if _resolved(joint):  # with fixed steps it lags elsewhere until the joint rests
+            if _is_resolved(joint):  # with fixed steps it lags elsewhere until the joint rests
                 joint.interaction[:] = interaction_field(joint.influence, joint.force)
             joint.interaction.ravel()[cells] = answer.interaction
         self._interaction_known = answer.field.size > 0
@@ -224,7 +239,7 @@ class _PathToRest:
 
     def _is_clear_of_strength(self) -> bool:
         """Return whether no contact is near its strength: a finer solution breaks nothing."""
-        if not _resolved(self.joint):
+        if not _is_resolved(self.joint):
             return False
         contacts = self._contacts()
         force = self.joint.force.ravel()[contacts.cells]
@@ -237,31 +252,40 @@ class _PathToRest:
             self._overlapping = joint.overlapping(self.closure)
             cells, overlap, curvature, compliance = self._overlapping
             self._may_carry = joint.contacts(cells, overlap, compliance)
-            if joint.effects.breakage and _resolved(joint):
-                contacts = joint.upper, joint.lower, cells, curvature, compliance, joint.peaks
-                strength = joint.law, joint.effects.gouge, joint.tie_tolerance, _band(joint)
-                limit = strength_limits(*contacts, *strength)
+            if joint.effects.breakage and _is_resolved(joint):
+                limit = strength_limits(
+                    joint.upper,
+                    joint.lower,
+                    cells,
+                    curvature,
+                    compliance,
+                    joint.peaks,
+                    joint.law,
+                    joint.effects.gouge,
+                    joint.tie_tolerance,
+                    _strength_band(joint),
+                )
                 self._may_carry = self._may_carry._replace(limit=limit)
         return self._may_carry
 
 
-def _stages(asked: float) -> tuple[float, ...]:
+def _stage_tolerances(asked: float) -> tuple[float, ...]:
     """Return the residuals of the stages; the last is the required one."""
     return (*(rough for rough in PROVISIONAL_TOLERANCES if rough > asked), asked)
 
 
-def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
+def _store_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
     """Store rates of interaction and force per closure, to extrapolate the next step."""
     interaction, force = before
     np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
     np.divide(joint.force - force, step, out=joint.force_rate)
 
 
-def _resolved(joint: Joint) -> bool:
+def _is_resolved(joint: Joint) -> bool:
     """Return whether breakage is resolved."""
     return joint.numerics.breakage == "resolved"
 
 
-def _band(joint: Joint) -> float:
+def _strength_band(joint: Joint) -> float:
     """Return the width of the band about its strength in which a contact is at rest."""
     return float(BAND * joint.numerics.tolerance)

@@ -17,18 +17,15 @@ LARGEST_DENSE = 4000
 """Number of contacts of the largest dense matrix, 128 MB."""
 FEW_FORCES = 16
 """Number of forces up to which their displacements are added one by one without a transform."""
-_PATCH, _PATCHES_ACROSS = 7, 20
-"""Cells along a patch of the preconditioner, and number of patches along a large grid."""
+_PATCH = 7  # least number of cells along a patch of the preconditioner
+_PATCHES_ACROSS = 20  # number of patches along a large grid, whose patches are larger
 
 
 class SingleInfluence(NamedTuple):
-    """Transform of `Influence.table` over ``unit`` [m/N], and its work space, in single precision.
+    """The interaction in single precision, with its work space as in `Influence`."""
 
-    The unit is a power of 2 that keeps the values within the range of single precision.
-    """
-
-    unit: float
-    spectrum: np.ndarray
+    unit: float  # [m/N], a power of 2 that keeps values within the range of single precision
+    spectrum: np.ndarray  # of the influence over the unit
     padded: np.ndarray
     field: np.ndarray
     wave: np.ndarray
@@ -37,21 +34,18 @@ class SingleInfluence(NamedTuple):
 class Influence(NamedTuple):
     """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
 
-    ``table`` (ny, nx) is by distance in cells, 0 at distance 0, which is the substrate's term.
-    ``spectrum`` (columns // 2 + 1, rows) is its transform, wrapped around a grid without periodic
-    images, which is real because the table is symmetric; ``padded``, ``field`` (ny, columns) and
-    ``wave`` are work space. ``patch_table`` is the mean influence between patches of ``patch``
-    cells, ``patch_of`` the patch of each cell.
+    The grid is padded to (rows, columns), at least twice as large, so that a convolution has no
+    periodic images.
     """
 
-    table: np.ndarray
-    spectrum: np.ndarray
-    padded: np.ndarray
-    field: np.ndarray
-    wave: np.ndarray
-    patch: int
-    patch_table: np.ndarray
-    patch_of: np.ndarray
+    table: np.ndarray  # (ny, nx) by distance in cells; 0 at distance 0, the substrate's term
+    spectrum: np.ndarray  # its transform (columns // 2 + 1, rows), real as the table is symmetric
+    padded: np.ndarray  # work space: forces (ny, columns)
+    field: np.ndarray  # work space: displacements (ny, columns)
+    wave: np.ndarray  # work space: transform of the forces, of the shape of the spectrum
+    patch: int  # cells along a patch of the preconditioner
+    patch_table: np.ndarray  # mean influence by distance in patches
+    patch_of: np.ndarray  # patch of each cell (ny * nx,)
     single: SingleInfluence
 
 
@@ -94,11 +88,13 @@ def fill_influence(matrix, wide, middle, place, known):
     """Fill in influences [m/N] between cells at places (n,), after the first ``known`` ones."""
     n = place.size
     for i in range(known):
-        row, at = matrix[i], middle + place[i]
+        row = matrix[i]
+        at = middle + place[i]
         for j in range(known, n):
             row[j] = wide[at - place[j]]
     for i in range(known, n):
-        row, at = matrix[i], middle + place[i]
+        row = matrix[i]
+        at = middle + place[i]
         for j in range(n):
             row[j] = wide[at - place[j]]
 
@@ -135,7 +131,8 @@ class Neighbours:
     """
 
     def __init__(self, table: np.ndarray):
-        self._table, (self._wide, self._middle) = table, influence_by_place(table)
+        self._table = table
+        self._wide, self._middle = influence_by_place(table)
         self._slot = np.full(table.size, -1)
         self.cells = np.empty(0, np.int64)
         self._place = self.cells
@@ -160,7 +157,9 @@ class Neighbours:
         return displacement_between(self._wide, self._middle, place, self._place, force)
 
     def _add(self, new: np.ndarray) -> None:
-        known, n = self.cells.size, self.cells.size + new.size
+        """Add rows and columns of new cells (k,) to the matrix, which has room for more."""
+        known = self.cells.size
+        n = self.cells.size + new.size
         self._slot[new] = np.arange(known, n)
         self.cells = np.concatenate([self.cells, new])
         self._place = np.concatenate([self._place, places(new, self._table.shape[1])])
@@ -181,7 +180,8 @@ def patch_influence(table, side):
         for q in range(means.shape[1]):
             for a in range(1 - side, side):
                 for b in range(1 - side, side):
-                    y, x = min(abs(p * side + a), ny - 1), min(abs(q * side + b), nx - 1)
+                    y = min(abs(p * side + a), ny - 1)
+                    x = min(abs(q * side + b), nx - 1)
                     means[p, q] += (side - abs(a)) * (side - abs(b)) * table[y, x]
     return means / float(side) ** 4
 
@@ -198,7 +198,8 @@ def convolve(padded, spectrum, wave, field):
     wave[:, ny:] = 0.0
     np.fft.fft(wave, axis=1, out=wave)
     for k in range(wave.shape[0]):
-        row, by = wave[k], spectrum[k]
+        row = wave[k]
+        by = spectrum[k]
         for q in range(row.size):
             row[q] *= by[q]
     np.fft.ifft(wave, axis=1, out=wave)
@@ -271,7 +272,8 @@ def add_multiple(influence, matrix, part, product, unit, displacement):
         return
     factor = part * unit
     for y in range(displacement.shape[0]):
-        row, new = displacement[y], influence.single.field[y]
+        row = displacement[y]
+        new = influence.single.field[y]
         for x in range(row.size):
             row[x] += factor * new[x]
 
@@ -285,7 +287,8 @@ def add_displacements(influence, matrix, cells, force, displacement):
     acting = np.flatnonzero(force)
     if matrix.size > 0:
         for j in acting:
-            row, change = matrix[j], force[j]
+            row = matrix[j]
+            change = force[j]
             for i in range(cells.size):
                 displacement[0, i] += row[i] * change
         return False
@@ -298,7 +301,8 @@ def add_displacements(influence, matrix, cells, force, displacement):
         v, w = divmod(cells[j], nx)
         change = force[j]
         for y in range(ny):
-            row, by = displacement[y], influence.table[abs(y - v)]
+            row = displacement[y]
+            by = influence.table[abs(y - v)]
             for x in range(w):
                 row[x] += by[w - x] * change
             for x in range(w, nx):
@@ -343,10 +347,12 @@ def influence_of(table: np.ndarray) -> Influence:
     patch_of = (np.arange(ny)[:, None] // side * patches.shape[1] + np.arange(nx) // side).ravel()
     wave = np.empty(spectrum.shape, np.complex128)
     patched = side, patches, patch_of
-    return Influence(table, spectrum, padded, field, wave, *patched, _in_single(spectrum, padded))
+    return Influence(
+        table, spectrum, padded, field, wave, *patched, _single_influence(spectrum, padded)
+    )
 
 
-def _in_single(spectrum: np.ndarray, padded: np.ndarray) -> SingleInfluence:
+def _single_influence(spectrum: np.ndarray, padded: np.ndarray) -> SingleInfluence:
     """Make `SingleInfluence` of a spectrum [m/N], with work space of the shape of ``padded``."""
     largest = float(np.abs(spectrum).max(initial=0.0))
     unit = math.ldexp(1.0, math.frexp(largest)[1]) if 0.0 < largest < math.inf else 1.0
@@ -362,6 +368,9 @@ def dense_limit(shape: tuple[int, int]) -> int:
 
 def dense_influence(table: np.ndarray) -> Influence:
     """Make the interaction for few contacts, with cheap dense products: only the table."""
-    nothing, wave = np.zeros((0, 0)), np.zeros((0, 0), np.complex128)
+    nothing = np.zeros((0, 0))
+    wave = np.zeros((0, 0), np.complex128)
     patched = 0, nothing, np.zeros(0, np.int64)
-    return Influence(table, nothing, nothing, nothing, wave, *patched, _in_single(nothing, nothing))
+    return Influence(
+        table, nothing, nothing, nothing, wave, *patched, _single_influence(nothing, nothing)
+    )

@@ -36,12 +36,17 @@ CRUSHED = 4
 
 
 class Outcome(IntEnum):
-    """Outcomes of `Solver.settle`."""
+    """Outcomes of `Solver.settle`, with their remedies."""
 
     CONVERGED = 0
+    """Forces are in equilibrium, and every contact holds or is locked."""
     NOT_CONVERGED = 1
+    """Forces did not reach equilibrium within the tolerance: report it, as no case is known."""
     NOT_AT_REST = 2
+    """Breakage continued beyond the largest number of steps: take larger steps, a
+    `Choices.largest_radius`, or a larger `Numerics.most_breakage_steps`."""
     RIGID_CONTACT = 3
+    """A flat contact without substrate overlaps, whose force is infinite: let the substrate act."""
 
 
 _SPACE_LASTS = 0.5
@@ -110,7 +115,9 @@ class Joint:
     ):
         self.upper = np.array(upper, dtype=np.float64, order="C")
         self.lower = np.array(lower, dtype=np.float64, order="C")
-        self.effects, self.choices, self.numerics = effects, choices, numerics
+        self.effects = effects
+        self.choices = choices
+        self.numerics = numerics
         self.interaction_acts = effects.interaction  # False while it is left out
         self.law: ContactLaw = contact_law(spacing, rock, effects, choices)
         self.compressive_strength = min(wall.compressive_strength for wall in rock)  # [Pa]
@@ -126,7 +133,7 @@ class Joint:
         self.interaction = np.zeros(self.upper.shape)
         self.closure = np.zeros(())  # of the last settled state
         self.held_to = -math.inf  # closure [m] up to which nothing is known to break
-        # rates per closure, since the last but one state
+        # rates per closure [1, N/m], since the last but one state
         self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
         self.coarse_space = NO_COARSE_SPACE  # of the last equilibrium
         self._space_contacts = 0  # number of contacts when it was made
@@ -225,8 +232,11 @@ class Joint:
         near = self.neighbours
         slot = near.slots(contacts.cells)
         n = near.cells.size
-        overlap, compliance, limit = np.full(n, -1.0), np.ones(n), np.full(n, np.inf)
-        overlap[slot], compliance[slot] = contacts.overlap, contacts.compliance
+        overlap = np.full(n, -1.0)
+        compliance = np.ones(n)
+        limit = np.full(n, np.inf)
+        overlap[slot] = contacts.overlap
+        compliance[slot] = contacts.compliance
         limit[slot] = contacts.limit
         return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
 
@@ -234,7 +244,8 @@ class Joint:
         """Return the coarse space, none after a large change of the number of contacts."""
         made_with = self._space_contacts
         if abs(contacts - made_with) > _SPACE_LASTS * made_with:
-            self.coarse_space, self._space_contacts = NO_COARSE_SPACE, contacts
+            self.coarse_space = NO_COARSE_SPACE
+            self._space_contacts = contacts
         return self.coarse_space
 
     def mean_interaction(self) -> float:

@@ -21,10 +21,12 @@ from jointclosure.solvers.interaction_operator import (
 )
 from jointclosure.solvers.products import assign
 
-MOST_NEWTON_STEPS = 200
+MOST_NEWTON_STEPS = 200  # after which an equilibrium counts as not found; chosen
 _MOST_POOR_STEPS = 8
-_SWEEPS = 3
-_HALVINGS = 4
+"""Steps in a row at a given total force that do not halve the residual, after which the shift is
+bracketed instead; chosen."""
+_SWEEPS = 3  # passes over all contacts where no part of a Newton step lowers the energy; chosen
+_HALVINGS = 4  # of a Newton step that does not lower the energy; chosen
 FINEST_OF_SUMS = 1e-6
 """Smallest residual [1] that displacements summed from products in single precision can show; a
 smaller one is computed from a product in double precision. That of a settled joint always is."""
@@ -51,34 +53,31 @@ class Equilibrium(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """Problem of `solve_equilibrium`; answer, secant (n,) and grid (y, x) are work space."""
+    """Problem of `solve_equilibrium`, with work space of the last iterate."""
 
     influence: Influence
     matrix: np.ndarray
     contacts: Contacts
-    target: float
-    answer: np.ndarray
-    secant: np.ndarray
-    grid: np.ndarray
+    target: float  # total force [N], NaN if the shift is given
+    answer: np.ndarray  # forces (n,) [N] by which contacts answer to the interaction
+    secant: np.ndarray  # compliance (n,) [m/N] of each contact from its force to its answer
+    grid: np.ndarray  # forces (y, x) of a product
 
 
 class Iterate(NamedTuple):
-    """Forces (n,) [N] and their interaction (n,) [m]; sums of |F - answer| and of answers [N].
+    """Forces of Newton's method, and how far they are from equilibrium."""
 
-    ``field`` is the interaction at all cells (y, x), or with a matrix (1, n) that of the contacts.
-    """
-
-    force: np.ndarray
-    elastic_displacement: np.ndarray
-    field: np.ndarray
-    shift: float
-    difference: float
-    total: float
-    missing: float
+    force: np.ndarray  # (n,) [N]
+    elastic_displacement: np.ndarray  # their interaction at the contacts (n,) [m]
+    field: np.ndarray  # that at all cells (y, x), or with a matrix at the contacts (1, n) [m]
+    shift: float  # of all overlaps [m]
+    difference: float  # sum of |force - answer| [N]
+    total: float  # sum of the answers [N]
+    missing: float  # total force that is given less that of the forces [N], else 0
 
 
 @kernel
-def _judged(problem, force, field, shift):
+def _iterate_with_answers(problem, force, field, shift):
     """Make an iterate from forces and their interaction; set `Problem.answer` and `secant`."""
     cells = problem.contacts.cells
     elastic_displacement = np.empty(cells.size)
@@ -93,7 +92,7 @@ def _judged(problem, force, field, shift):
 
 
 @large_kernel
-def _iterate(problem, force, shift):
+def _iterate_of_forces(problem, force, shift):
     """Make an iterate from forces, with one product with the interaction."""
     elastic_displacement = interaction_product(
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
@@ -103,11 +102,12 @@ def _iterate(problem, force, shift):
         assign(field[0], elastic_displacement)
     else:
         field = problem.influence.field[:, : problem.grid.shape[1]].copy()
-    return _judged(problem, force, field, shift)
+    return _iterate_with_answers(problem, force, field, shift)
 
 
 @kernel
 def _misfit(state):
+    """Return how much of the forces [N] is not in equilibrium, see `Equilibrium.residual`."""
     return max(state.difference, abs(state.missing))
 
 
@@ -133,7 +133,7 @@ def _newton_step(problem, space, state, tolerance):
     # last digits of a contact that opens, which rounding of the others would hide
     force[(problem.answer == 0.0) & (force < ROUNDING * state.total)] = 0.0
     used += _add_change(problem, force - directed, field)
-    return _judged(problem, force, field, state.shift + moved), used
+    return _iterate_with_answers(problem, force, field, state.shift + moved), used
 
 
 @kernel
@@ -144,9 +144,15 @@ def _add_change(problem, change, field):
 
 
 @large_kernel
-def _lowered(problem, state, trial):
-    """Return an iterate with a lower energy than the state, and the number of products."""
-    contacts, shift = problem.contacts, state.shift
+def _safer_iterate(problem, state, trial):
+    """Return an iterate with a lower energy than the state, and the number of products.
+
+    It is the Newton step, otherwise its first part of 1/2, 1/4, ... that lowers the energy, or else
+    that after a few passes of exact minimisation contact by contact (Gauss-Seidel), which always
+    lowers it.
+    """
+    contacts = problem.contacts
+    shift = state.shift
     before = energy(contacts, shift, state.elastic_displacement, state.force)
     if energy(contacts, shift, trial.elastic_displacement, trial.force) < before:
         return trial, 0
@@ -158,16 +164,27 @@ def _lowered(problem, state, trial):
         elastic_displacement = state.elastic_displacement + part * moved
         if energy(contacts, shift, elastic_displacement, force) < before:
             field = state.field + part * (trial.field - state.field)
-            return _judged(problem, force, field, shift), 0
+            return _iterate_with_answers(problem, force, field, shift), 0
     force = state.force.copy()
     for _ in range(_SWEEPS):
         coordinate_sweep(problem.influence.table, problem.contacts, state.shift, force)
-    return _iterate(problem, force, state.shift), _SWEEPS + 1
+    return _iterate_of_forces(problem, force, state.shift), _SWEEPS + 1
 
 
 @kernel
 def interacting_equilibrium(influence, matrix, contacts, start, field, space, target, tolerance):
-    """Solve `solve_equilibrium` with interaction; the parameters are the same."""
+    """Solve `solve_equilibrium` with interaction; the parameters are the same.
+
+    Newton's method for F = G(F), with the answers G of the contacts to the interaction of F. It
+    differs from the textbook's in four ways. The compliance of a contact is not that at its force
+    but the secant to its answer, with which a contact alone is solved in one step. Forces are cut
+    to the range from 0 to their limit after a step, in place of an active set. A step is as exact
+    as the residual asks for (inexact Newton). And a step that does not halve the residual must
+    lower the energy, or a safer one is taken (`_safer_iterate`); at a given total force, where the
+    energy is no measure, too many such steps end the iteration, and the caller brackets the shift.
+    The interaction of single-precision products is summed from step to step, and computed once in
+    double precision before a finer residual than `FINEST_OF_SUMS` is believed.
+    """
     n = start.size
     start, field = usable_start(start, field)
     grid = np.zeros(influence.table.shape)
@@ -177,10 +194,10 @@ def interacting_equilibrium(influence, matrix, contacts, start, field, space, ta
     if summed:
         field = field.copy()
         products = _add_change(problem, force - start, field)
-        state = _judged(problem, force, field, 0.0)
+        state = _iterate_with_answers(problem, force, field, 0.0)
     else:
         products = 1
-        state = _iterate(problem, force, 0.0)
+        state = _iterate_of_forces(problem, force, 0.0)
     stiffness = 1.0 / problem.secant
     steps = poor = 0
     while steps < MOST_NEWTON_STEPS and poor <= _MOST_POOR_STEPS:
@@ -188,7 +205,7 @@ def interacting_equilibrium(influence, matrix, contacts, start, field, space, ta
             if not summed or tolerance >= FINEST_OF_SUMS:
                 break
             summed = False
-            state = _iterate(problem, state.force, state.shift)
+            state = _iterate_of_forces(problem, state.force, state.shift)
             products += 1
             continue
         if steps == 0 and space.number.size == 0:
@@ -199,7 +216,7 @@ def interacting_equilibrium(influence, matrix, contacts, start, field, space, ta
         used = 0
         if not trial.difference * state.total < 0.5 * state.difference * trial.total:
             if math.isnan(target):
-                trial, used = _lowered(problem, state, trial)
+                trial, used = _safer_iterate(problem, state, trial)
             else:
                 poor += 1
         else:

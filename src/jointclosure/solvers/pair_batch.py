@@ -20,16 +20,23 @@ from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import wall_curvature
 
-BATCH = 128
-UPPER, LOWER = 0, 1
+BATCH = 128  # most pairs of a batch; chosen
+# Indices of the walls.
+UPPER = 0
+LOWER = 1
 _MOST_NARROWED = 60
 """Largest number of steps of false position for a loss; nearly all need two to four."""
 _FEW = 0.25
 """Share of unsolved pairs below which they are solved one by one."""
-SOUTH, WEST, CENTRE, EAST, NORTH = 1, 3, 4, 5, 7
+# Indices of cells in 3 x 3 heights.
+SOUTH = 1
+WEST = 3
+CENTRE = 4
+EAST = 5
+NORTH = 7
 
 
-def _fields(*names: str, shape: tuple[int, ...] = ()) -> list[tuple]:
+def _batch_fields(*names: str, shape: tuple[int, ...] = ()) -> list[tuple]:
     return [(name, np.float64, (*shape, BATCH)) for name in names]
 
 
@@ -38,25 +45,25 @@ Batch = np.dtype(
         np.record,
         [
             # the walls, by wall and neighbour [m]
-            *_fields("heights", shape=(2, 9)),
+            *_batch_fields("heights", shape=(2, 9)),
             # closure less the elastic displacement, from first touch [m]; the overlap is the
             # sum of both heights and this value
-            *_fields("approach", "overlap"),
+            *_batch_fields("approach", "overlap"),
             # strength: q = delta_break/R_a, and substrate compliance times breaking force
             # times kappa_a^2, see `jointclosure.mechanics.strength.is_overstressed`
             # and the curvature below which strength is bounded
-            *_fields("critical_indentation", "substrate_strength", "filling"),
+            *_batch_fields("critical_indentation", "substrate_strength", "filling"),
             # overlap over the overlap at breakage
-            *_fields("stress_ratio"),
+            *_batch_fields("stress_ratio"),
             # 1 or 0: breaks in this step; is locked on both walls. Number of steps so far
-            *_fields("breaks", "locked", "steps"),
+            *_batch_fields("breaks", "locked", "steps"),
             # by wall: curvature [1/m], sum and smallest of the drops to lower neighbours [m],
             # loss of height (at first its share) [m]
-            *_fields("curvature", "total_drop", "least_drop", "loss", shape=(2,)),
+            *_batch_fields("curvature", "total_drop", "least_drop", "loss", shape=(2,)),
             # return mapping: largest possible loss; bracket of the loss, and by how much the
             # stress ratio exceeds its goal at both ends; end that moved last, -1 or 1; trial
             # loss, and whether it is the solution, 1 or 0
-            *_fields("most", "left", "right", "excess", "shortage", "moved", "trial", "done"),
+            *_batch_fields("most", "left", "right", "excess", "shortage", "moved", "trial", "done"),
         ],
     )
 )
@@ -177,7 +184,8 @@ def share_losses(batch, n, gouge):
         share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])
         breaks = batch.breaks[i]
         if gouge:
-            upper, lower = batch.total_drop[UPPER, i], batch.total_drop[LOWER, i]
+            upper = batch.total_drop[UPPER, i]
+            lower = batch.total_drop[LOWER, i]
             share = passed_share(share, upper, lower)
             locked = breaks if upper + lower == 0.0 else 0.0
             batch.locked[i] = locked
@@ -265,7 +273,8 @@ def ratio_after(batch, i, loss, rules):
 def level_loss(batch, i, wall):
     """Return the loss [m] of pair i at which a wall's cell is level with its closest neighbour."""
     share = batch.loss[wall, i]
-    total, least = batch.total_drop[wall, i], batch.least_drop[wall, i]
+    total = batch.total_drop[wall, i]
+    least = batch.least_drop[wall, i]
     return least * total / (share * (total + least)) if share > 0.0 else math.inf
 
 
@@ -296,12 +305,20 @@ def bracket_losses(batch, n, goal, gouge):
 
 @kernel
 def narrow_loss(batch, i, goal, near, rules):
-    """Do one step of false position (Illinois) for pair i."""
+    """Do one step of false position for the loss of pair i, in the Illinois variant.
+
+    As in that variant the value at an end that stays twice is halved. It differs from the textbook
+    in its start: the first trial is the solution for an unchanged curvature, and the value at the
+    right end is not computed before a trial falls on it. It ends when the ratio is within ``near``
+    of the goal, or too large even at the largest possible loss.
+    """
     trial = batch.trial[i]
     answer = ratio_after(batch, i, trial, rules) - goal
     most = batch.most[i]
-    left, right = batch.left[i], batch.right[i]
-    excess, shortage = batch.excess[i], batch.shortage[i]
+    left = batch.left[i]
+    right = batch.right[i]
+    excess = batch.excess[i]
+    shortage = batch.shortage[i]
     moved = batch.moved[i]
     done = batch.done[i] > 0.0
     ends = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
@@ -330,7 +347,8 @@ def returning_losses(batch, n, band, rules):
 
     All pairs do the same number of steps in vector code, until few are unsolved; these go on alone.
     """
-    goal, near = 1.0 - 0.5 * band, 0.25 * band
+    goal = 1.0 - 0.5 * band
+    near = 0.25 * band
     bracket_losses(batch, n, goal, rules.gouge)
     unsolved = n
     for _ in range(_MOST_NARROWED):

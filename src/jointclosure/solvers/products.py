@@ -9,8 +9,8 @@ import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
 
-PIVOTS, LANES = 4, 8
-"""Number of pivots of one pass over a matrix, and of the values of a vector at most."""
+PIVOTS = 4  # of one pass over a matrix
+LANES = 8  # most values of a vector of a processor
 
 
 @kernel
@@ -48,12 +48,19 @@ def symmetric_times(matrix, vector):
     answer = np.zeros(n)
     whole = n - n % 4
     for j in range(0, whole, 4):
-        v0, v1, v2, v3 = vector[j], vector[j + 1], vector[j + 2], vector[j + 3]
-        r0, r1, r2, r3 = matrix[j], matrix[j + 1], matrix[j + 2], matrix[j + 3]
+        v0 = vector[j]
+        v1 = vector[j + 1]
+        v2 = vector[j + 2]
+        v3 = vector[j + 3]
+        r0 = matrix[j]
+        r1 = matrix[j + 1]
+        r2 = matrix[j + 2]
+        r3 = matrix[j + 3]
         for i in range(n):
             answer[i] = answer[i] + r0[i] * v0 + r1[i] * v1 + r2[i] * v2 + r3[i] * v3
     for j in range(whole, n):
-        row, value = matrix[j], vector[j]
+        row = matrix[j]
+        value = vector[j]
         for i in range(n):
             answer[i] += row[i] * value
     return answer
@@ -72,12 +79,14 @@ def symmetric_inverse(matrix):
     swept = np.zeros((n, wide))
     for i in range(n):
         assign(swept[i], matrix[i])
-    columns, shares = np.zeros((PIVOTS, wide)), np.zeros((PIVOTS, wide))
+    columns = np.zeros((PIVOTS, wide))
+    shares = np.zeros((PIVOTS, wide))
     for first in range(0, n, PIVOTS):
         width = min(PIVOTS, n - first)
         shares[width:] = 0.0
         for q in range(width):
-            column, k = columns[q], first + q
+            column = columns[q]
+            k = first + q
             assign(column, swept[k, :k])
             assign(column[k:], swept[k:, k])
             _follow_pivots(column, k, first, 0, q, columns, shares)
@@ -102,8 +111,10 @@ def symmetric_inverse(matrix):
 def _follow_pivots(row, k, first, start, stop, columns, shares):
     """Sweep row and column k of a symmetric matrix by the pivots from ``start`` to ``stop``."""
     for r in range(start, stop):
-        column, share = columns[r], shares[r]
-        at_column, at_share = column[k], share[k]
+        column = columns[r]
+        share = shares[r]
+        at_column = column[k]
+        at_share = share[k]
         for i in range(k):
             row[i] -= at_share * column[i]
         for i in range(k, row.size):
@@ -114,9 +125,15 @@ def _follow_pivots(row, k, first, start, stop, columns, shares):
 @kernel
 def _subtract_products(swept, columns, shares):
     """Subtract the products of `PIVOTS` shares and columns in turn from the lower triangle."""
-    c0, c1, c2, c3 = columns[0], columns[1], columns[2], columns[3]
+    c0 = columns[0]
+    c1 = columns[1]
+    c2 = columns[2]
+    c3 = columns[3]
     for i in range(swept.shape[0]):
         row = swept[i]
-        s0, s1, s2, s3 = shares[0, i], shares[1, i], shares[2, i], shares[3, i]
+        s0 = shares[0, i]
+        s1 = shares[1, i]
+        s2 = shares[2, i]
+        s3 = shares[3, i]
         for j in range(i + LANES - i % LANES):
             row[j] = row[j] - s0 * c0[j] - s1 * c1[j] - s2 * c2[j] - s3 * c3[j]

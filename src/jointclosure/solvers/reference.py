@@ -4,6 +4,7 @@ Numbers in the comments are the paper's steps (first list) and its breakage step
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import curvature_among, is_peak, neighbourhood, overlapping_cells
 from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled
 
-MOST_SWEEPS = 100_000
+MOST_SWEEPS = 100_000  # passes over all contacts after which forces count as not settled; chosen
 
 
 @kernel
@@ -29,9 +30,139 @@ def displacement_by_others(table, force, y, x):
     return total
 
 
+@kernel
+def tallest_first(cells, upper, lower):
+    """Return the order (n,) of cells (n,) by the summed height of both walls, the tallest first."""
+    nx = upper.shape[1]
+    heights = np.empty(cells.size)
+    for i in range(cells.size):
+        y, x = divmod(cells[i], nx)
+        heights[i] = -(upper[y, x] + lower[y, x])
+    return np.argsort(heights, kind="mergesort")
+
+
+@kernel
+def lay_back(heights, y, x, neighbours):
+    """Write the eight neighbours of a cell into its wall."""
+    ny, nx = heights.shape
+    k = 0
+    for dy in range(-1, 2):
+        for dx in range(-1, 2):
+            if dy != 0 or dx != 0:
+                if 0 <= y + dy < ny and 0 <= x + dx < nx:
+                    heights[y + dy, x + dx] = neighbours[k]
+                k += 1
+
+
+class Surroundings(NamedTuple):
+    """Heights [m] of the eight neighbours of a cell on both walls, and drops [m] to the lower ones.
+
+    Work space of `break_pair`.
+    """
+
+    upper: np.ndarray
+    lower: np.ndarray
+    falls_upper: np.ndarray
+    falls_lower: np.ndarray
+
+
+@kernel
+def empty_surroundings():
+    """Return `Surroundings` that are not filled yet."""
+    return Surroundings(np.empty(8), np.empty(8), np.empty(8), np.empty(8))
+
+
+@kernel
+def break_pair(
+    upper,
+    lower,
+    y,
+    x,
+    offset,
+    displacement,
+    peaks,
+    law,
+    breakage_step,
+    tie_tolerance,
+    around,
+    locked,
+    breakage,
+    gouge,
+    current_peaks,
+):
+    """Break the pair of a cell until it holds; return overlap [m], curvature [1/m] and steps.
+
+    ``displacement`` [m] is the interaction at the cell; the other parameters are those of
+    `reference_kernel`.
+    """
+    neighbourhood(upper, y, x, around.upper)
+    neighbourhood(lower, y, x, around.lower)
+    steps = 0
+    locked[y, x] = False
+    while True:
+        overlap = upper[y, x] + lower[y, x] + offset - displacement
+        state = peaks[y, x]
+        if current_peaks:
+            state = 2 * is_peak(upper[y, x], around.upper)
+            state += is_peak(lower[y, x], around.lower)
+            peaks[y, x] = state
+        kappa_upper = curvature_among(upper[y, x], around.upper, law)
+        kappa_lower = curvature_among(lower[y, x], around.lower, law)
+        kappa = kappa_upper + kappa_lower
+        # 4. breakage: 4.3 until the contact holds with its new geometry
+        if not breakage or not overlap > 0.0:
+            break
+        if not is_overstressed(
+            overlap,
+            kappa,
+            law.critical_indentation[state],
+            law.breaking_force[state],
+            law.substrate,
+            law.filling[state],
+        ):
+            break
+        # 4.1 the pair is lowered, the sharper asperity more
+        share = upper_share(kappa_upper, kappa_lower)
+        total_upper = 0.0
+        least_upper = 0.0
+        total_lower = 0.0
+        least_lower = 0.0
+        if gouge:
+            total_upper, least_upper = drops(
+                upper[y, x], around.upper, tie_tolerance, around.falls_upper
+            )
+            total_lower, least_lower = drops(
+                lower[y, x], around.lower, tie_tolerance, around.falls_lower
+            )
+            if total_upper == 0.0 and total_lower == 0.0:
+                locked[y, x] = True
+                break
+            share = passed_share(share, total_upper, total_lower)
+        loss_upper = breakage_step * share
+        loss_lower = breakage_step * (1.0 - share)
+        # 4.2 the gouge goes to the valleys around
+        if gouge and loss_upper > 0.0:
+            loss_upper = shed(
+                around.upper, loss_upper, around.falls_upper, total_upper, least_upper
+            )
+            lay_back(upper, y, x, around.upper)
+        if gouge and loss_lower > 0.0:
+            loss_lower = shed(
+                around.lower, loss_lower, around.falls_lower, total_lower, least_lower
+            )
+            lay_back(lower, y, x, around.lower)
+        upper[y, x] -= loss_upper
+        lower[y, x] -= loss_lower
+        steps += 1
+    return overlap, kappa, steps
+
+
 @lru_cache(maxsize=None)
 def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
-    """Return the kernel of steps 2 to 5 of the paper at one closure."""
+    """Return the kernel of steps 2 to 5 of the paper at one closure.
+
+    ``current_peaks``: soft peaks are those of the present walls, not of the pristine ones.
+    """
 
     @kernel
     def sweep_to_rest(
@@ -48,19 +179,21 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         tolerance,
         most_sweeps,
     ):
+        """Return sweeps, breakage steps, whether forces settled, and the locked cells (y, x).
+
+        Walls ``upper`` and ``lower`` (y, x) [m], the states ``peaks`` (y, x) of pairs, their
+        ``force`` (y, x) [N] and ``elastic_displacement`` (y, x) [m] are changed in place. The
+        ``offset`` [m] is the closure from first touch, ``table`` (ny, nx) [m/N] the influence by
+        distance in cells, ``tolerance`` the largest relative change of a force that has settled.
+        """
         ny, nx = upper.shape
-        around_upper, around_lower = np.empty(8), np.empty(8)
-        falls_upper, falls_lower = np.empty(8), np.empty(8)
+        around = empty_surroundings()
         locked = np.zeros((ny, nx), np.bool_)
         broken = 0
         for sweep in range(most_sweeps):
             # 2. the contacts, from the tallest overall asperity to the shortest
             cells = overlapping_cells(upper, lower, offset, peaks, law)[0]
-            heights = np.empty(cells.size)
-            for i in range(cells.size):
-                y, x = divmod(cells[i], nx)
-                heights[i] = -(upper[y, x] + lower[y, x])
-            order = np.argsort(heights, kind="mergesort")
+            order = tallest_first(cells, upper, lower)
             change = 0.0
             again = False
             for i in order:
@@ -68,62 +201,11 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                 y, x = divmod(cells[i], nx)
                 if interaction:
                     elastic_displacement[y, x] = displacement_by_others(table, force, y, x)
-                neighbourhood(upper, y, x, around_upper)
-                neighbourhood(lower, y, x, around_lower)
-                steps = 0
-                locked[y, x] = False
-                while True:
-                    overlap = upper[y, x] + lower[y, x] + offset - elastic_displacement[y, x]
-                    state = peaks[y, x]
-                    if current_peaks:
-                        state = 2 * is_peak(upper[y, x], around_upper)
-                        state += is_peak(lower[y, x], around_lower)
-                        peaks[y, x] = state
-                    kappa_upper = curvature_among(upper[y, x], around_upper, law)
-                    kappa_lower = curvature_among(lower[y, x], around_lower, law)
-                    kappa = kappa_upper + kappa_lower
-                    # 4. breakage: 4.3 until the contact holds with its new geometry
-                    if not breakage or not overlap > 0.0:
-                        break
-                    if not is_overstressed(
-                        overlap,
-                        kappa,
-                        law.critical_indentation[state],
-                        law.breaking_force[state],
-                        law.substrate,
-                        law.filling[state],
-                    ):
-                        break
-                    # 4.1 the pair is lowered, the sharper asperity more
-                    share = upper_share(kappa_upper, kappa_lower)
-                    if gouge:
-                        total_upper, least_upper = drops(
-                            upper[y, x], around_upper, tie_tolerance, falls_upper
-                        )
-                        total_lower, least_lower = drops(
-                            lower[y, x], around_lower, tie_tolerance, falls_lower
-                        )
-                        if total_upper == 0.0 and total_lower == 0.0:
-                            locked[y, x] = True
-                            break
-                        share = passed_share(share, total_upper, total_lower)
-                    loss_upper = breakage_step * share
-                    loss_lower = breakage_step * (1.0 - share)
-                    # 4.2 the gouge goes to the valleys around
-                    if gouge and loss_upper > 0.0:
-                        loss_upper = shed(
-                            around_upper, loss_upper, falls_upper, total_upper, least_upper
-                        )
-                        lay_back(upper, y, x, around_upper)
-                    if gouge and loss_lower > 0.0:
-                        loss_lower = shed(
-                            around_lower, loss_lower, falls_lower, total_lower, least_lower
-                        )
-                        lay_back(lower, y, x, around_lower)
-                    upper[y, x] -= loss_upper
-                    lower[y, x] -= loss_lower
-                    steps += 1
-                compliance = asperity_compliance(kappa, law.asperity_modulus[state])
+                overlap, kappa, steps = break_pair(
+                    upper, lower, y, x, offset, elastic_displacement[y, x], peaks, law,
+                    breakage_step, tie_tolerance, around, locked, breakage, gouge, current_peaks,
+                )  # fmt: skip
+                compliance = asperity_compliance(kappa, law.asperity_modulus[peaks[y, x]])
                 answer = force_of_overlap(overlap, law.substrate, compliance)[0]
                 if answer != force[y, x]:
                     difference = abs(answer - force[y, x])
@@ -141,19 +223,6 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
     return sweep_to_rest
 
 
-@kernel
-def lay_back(heights, y, x, neighbours):
-    """Write the eight neighbours of a cell into its wall."""
-    ny, nx = heights.shape
-    k = 0
-    for dy in range(-1, 2):
-        for dx in range(-1, 2):
-            if dy != 0 or dx != 0:
-                if 0 <= y + dy < ny and 0 <= x + dx < nx:
-                    heights[y + dy, x + dx] = neighbours[k]
-                k += 1
-
-
 class ReferenceSolver:
     """Solver with the loop of the paper; see the module and `Solver`."""
 
@@ -163,17 +232,29 @@ class ReferenceSolver:
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
         effects = joint.effects
-        acting = joint.interaction_acts, effects.breakage, effects.gouge
-        sweep_to_rest = reference_kernel(*acting, joint.choices.peaks == "current")
-        table = joint.influence_table if joint.interaction_acts else np.zeros((1, 1))
+        sweep_to_rest = reference_kernel(
+            joint.interaction_acts,
+            effects.breakage,
+            effects.gouge,
+            joint.choices.peaks == "current",
+        )
+        offset = closure - joint.first_touch
         # cells that lost contact since the last step carry no force
-        summed = joint.upper + joint.lower + (closure - joint.first_touch)
+        summed = joint.upper + joint.lower + offset
         joint.force[summed <= 0.0] = 0.0
-        walls = joint.upper, joint.lower, float(closure - joint.first_touch), joint.peaks
-        state = joint.force, joint.interaction, table, joint.law
-        tolerances = joint.tie_tolerance, float(joint.numerics.sweep_tolerance)
         sweeps, broken, converged, locked = sweep_to_rest(
-            *walls, *state, float(breakage_step), *tolerances, MOST_SWEEPS
+            joint.upper,
+            joint.lower,
+            float(offset),
+            joint.peaks,
+            joint.force,
+            joint.interaction,
+            joint.influence_table if joint.interaction_acts else np.zeros((1, 1)),
+            joint.law,
+            float(breakage_step),
+            joint.tie_tolerance,
+            float(joint.numerics.sweep_tolerance),
+            MOST_SWEEPS,
         )
         outcome = Outcome.CONVERGED if converged else Outcome.NOT_CONVERGED
         if not np.all(np.isfinite(joint.force)):

@@ -6,14 +6,14 @@ import numpy as np
 
 from jointclosure.statistics.randomness import generator
 
-DRAWS = 10_000
+DRAWS = 10_000  # of the null hypothesis; a probability of 0.05 is then known to 0.002
 
 
 class Scores(NamedTuple):
-    """Number of readings (rows,) within a row's intervals, and the probability of it by chance."""
+    """How well rows of constants predict readings."""
 
-    score: np.ndarray
-    chance: np.ndarray
+    score: np.ndarray  # number of readings within a row's intervals (rows,)
+    chance: np.ndarray  # probability of so many or more by chance (rows,)
 
 
 def chance_of_scores(

@@ -67,7 +67,8 @@ def adjusted_values(values, covariates, known_means) -> tuple[np.ndarray, np.nda
     all surfaces, residuals e and leverages h, those without surface i are
     beta - (X'X)^-1 x_i e_i/(1 - h_i).
     """
-    values, covariates = np.asarray(values, float), np.asarray(covariates, float)
+    values = np.asarray(values, float)
+    covariates = np.asarray(covariates, float)
     # scale columns, so that their rank does not depend on their units
     scale = covariates.std(axis=-2, keepdims=True)
     if not np.all(scale > 0.0):
@@ -102,10 +103,12 @@ def adjusted_deviations(
     uncertainty of these means: with a hundred times as many surfaces as were simulated it would add
     a percent.
     """
-    samples, covariates = np.asarray(samples, float), np.asarray(covariates, float)
+    samples = np.asarray(samples, float)
+    covariates = np.asarray(covariates, float)
     if not tell_scatter:
         return deviations_of(samples)
-    n, means = samples.shape[-1], np.asarray(known.means, dtype=float)
+    n = samples.shape[-1]
+    means = np.asarray(known.means, dtype=float)
     centred, _ = adjusted_values(samples, covariates, means)
     about = samples - centred.mean(axis=-1, keepdims=True)
     squares = about**2 + centred.var(axis=-1, ddof=1, keepdims=True) / n
@@ -117,7 +120,8 @@ def adjusted_deviations(
     adjusted = np.where(helped, adjusted, squares)
     deviations = np.sqrt(adjusted.mean(axis=-1))
     scatter = adjusted.std(axis=-1, ddof=1) / np.sqrt(n)
-    some, none = deviations > 0.0, np.zeros_like(scatter)
+    some = deviations > 0.0
+    none = np.zeros_like(scatter)
     return deviations, np.divide(scatter, 2.0 * deviations, none, where=some)
 
 

@@ -32,7 +32,8 @@ class Quadratic(NamedTuple):
 
     def in_parameter(self) -> tuple[float, float, float]:
         """Return the paper's b, c, d: value(p) = b p^2 + c p + d, Eqs. (24) and (26)."""
-        b, slope = self.b / self.half_range**2, self.c / self.half_range
+        b = self.b / self.half_range**2
+        slope = self.c / self.half_range
         d = self.d - slope * self.base + b * self.base**2
         return float(b), float(slope - 2.0 * b * self.base), float(d)
 
@@ -44,15 +45,19 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
     compared with its mean. A coefficient b or c that may result from rounding of levels and values
     is set to 0, so that a straight line stays straight.
     """
-    levels, values = np.asarray(levels, dtype=float), np.asarray(values, dtype=float)
+    levels = np.asarray(levels, dtype=float)
+    values = np.asarray(values, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
     others = levels != base
     u = (levels[others] - base) / half_range
     start = values[..., ~others]
     rises = values[..., others] - start
     if levels.size == 3:
-        (u1, u2), s1, s2 = u, rises[..., 0] / u[0], rises[..., 1] / u[1]
-        b, c = (s2 - s1) / (u2 - u1), (u2 * s1 - u1 * s2) / (u2 - u1)
+        u1, u2 = u
+        s1 = rises[..., 0] / u[0]
+        s2 = rises[..., 1] / u[1]
+        b = (s2 - s1) / (u2 - u1)
+        c = (u2 * s1 - u1 * s2) / (u2 - u1)
         d = start[..., 0]
         weights = np.array([[1.0, 1.0], [abs(u2), abs(u1)]]) / (np.abs(u) * (u2 - u1))
     else:
@@ -116,7 +121,8 @@ def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) ->
     levels = np.asarray(levels, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
     fit = np.linalg.pinv(np.vander((levels - base) / half_range, 3))
-    reduced, m = fit @ covariance @ fit.T, base / half_range
+    reduced = fit @ covariance @ fit.T
+    m = base / half_range
     change = np.array([[1.0, 0.0, 0.0], [-2.0 * m, 1.0, 0.0], [m * m, -m, 1.0]])
     change /= np.array([half_range**2, half_range, 1.0])[:, None]
     in_parameter = change @ reduced @ change.T
@@ -134,7 +140,8 @@ def elasticity_of(
 ) -> Estimate:
     """Compute the `elasticity` from means (k,) at levels (k,)."""
     mean = fit_quadratic(levels, means, base)
-    value, reduced = mean.elasticity(), quadratic_errors(levels, covariance, base).covariance
+    value = mean.elasticity()
+    reduced = quadratic_errors(levels, covariance, base).covariance
     gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
     variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative
     return Estimate(float(value), float(np.sqrt(variance)))

@@ -1,14 +1,13 @@
-"""Indifference intervals from the roots of the t test's quartic, Eqs. (28), (29).
+"""Indifference intervals: the smallest change of a parameter that a t test finds significant.
 
-The quartic is solved in u = (p - p_M)/half-range, where the constant of x cancels exactly and the
-coefficients are near 1; in the parameter itself they span 40 decades. See
+Unpaired test, Eqs. (28) and (29): different surfaces at every level. The length of the interval is
+a root of the t test's quartic, which is solved in u = (p - p_M)/half-range, where the constant of x
+cancels exactly and the coefficients are near 1; in the parameter itself they span 40 decades. See
 docs/decisions.md#0008-quartic.
 
-Indifference interval of a paired t test, with the same surfaces at every level.
-
-A paired t test uses the scatter of the *difference* between a level and the base on the same
-surface; the scatter between surfaces, which Eq. (28) uses, cancels. On surface s, with
-u = (p - p_M)/half-range, a response is modelled as
+Paired test: the same surfaces at every level. It uses the scatter of the *difference* between a
+level and the base on the same surface; the scatter between surfaces, which Eq. (28) uses, cancels.
+On surface s a response is modelled as
 
     y_s(u) = a_s + c_s u + b u^2 + e_s(u),
 
@@ -29,6 +28,10 @@ any change. Therefore sigma limits a paired study. Curvature of single surfaces 
 because three levels do not separate it from sigma; the lengths are then too long. For a linear mean
 the length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V/n).
 
+Method: the root closest to 0 is the largest one in 1/u. It is found by Newton's method from a start
+beyond which the quartic is convex (`_highest_roots`). Where rounding may decide, all real roots are
+isolated by those of the derivative, and bracketed (`_all_real_roots`). Neither needs eigenvalues of
+a companion matrix, by which `numpy.roots` finds roots.
 """
 
 from collections.abc import Sequence
@@ -47,10 +50,12 @@ NEGLIGIBLE_ROOT = 1e-30  # share of the bound of all roots below which one is du
 BLOCK = 4096  # quartics that are solved at once: they stay in the cache of a processor
 NEARLY = 1e-10  # share of its terms below which the sign of a value may be due to rounding
 NEWTON_STEPS = 16  # at most, from a start near the root; it needs about six
-EPSILON = float(np.finfo(float).eps)
+EPSILON = float(np.finfo(float).eps)  # distance of 1 to the next larger double
 THIRD_TURNS = (2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0, 0.0)
+"""Angles [rad] that the trigonometric solution of a cubic adds for its three roots: the lowest, the
+middle and the highest."""
 LEAST_SIGNIFICANCE = 1e-9  # for less the critical value is lost in the rounding of 1 - p/2
-MOST_SAMPLES = 10**12
+MOST_SAMPLES = 10**12  # realisations per level; chosen
 ITERATIONS = 200  # at most, of Newton's method with bisection; it needs far fewer
 
 
@@ -66,20 +71,21 @@ def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
     """Return the real root of largest magnitude (m,) of polynomials (m, degree + 1)."""
     coefficients = np.asarray(coefficients, dtype=float)
     if coefficients.shape[1] != 5:
-        return _largest_by_isolation(coefficients)
-    largest, certain = np.empty(len(coefficients)), np.empty(len(coefficients), dtype=bool)
+        return _largest_isolated_roots(coefficients)
+    largest = np.empty(len(coefficients))
+    certain = np.empty(len(coefficients), dtype=bool)
     for start in range(0, len(coefficients), BLOCK):
         block = slice(start, start + BLOCK)
         with np.errstate(all="ignore"):
-            largest[block], certain[block] = _largest_of_quartics(coefficients[block])
+            largest[block], certain[block] = _largest_quartic_roots(coefficients[block])
     uncertain = np.flatnonzero(~certain)
     for start in range(0, uncertain.size, BLOCK):
         part = uncertain[start : start + BLOCK]
-        largest[part] = _largest_by_isolation(coefficients[part])
+        largest[part] = _largest_isolated_roots(coefficients[part])
     return largest
 
 
-def _largest_of_quartics(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _largest_quartic_roots(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the real roots of largest magnitude (m,), NaN if none, and whether each is certain.
 
     In s = root/bound, with the bound a power of two, which rounds nothing, the quartic becomes
@@ -95,9 +101,10 @@ def _largest_of_quartics(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     monic = monic / scale ** np.arange(1, 5)[:, None]
     low, middle, high = _turning_points(monic)
     odd = np.array([-1.0, 1.0, -1.0, 1.0])[:, None]
-    right = _beyond(high, monic)
-    left = _beyond(-low, odd * monic)  # of q(-s)
-    clear, both = right.clear & left.clear, right.below & left.below
+    right = _highest_roots(high, monic)
+    left = _highest_roots(-low, odd * monic)  # of q(-s)
+    clear = right.clear & left.clear
+    both = right.below & left.below
     both_solved = both & right.solved & left.solved
     of_right = np.where(both, right.solved, right.below)
     of_right = np.where(both_solved, right.root > left.root, of_right)
@@ -105,7 +112,7 @@ def _largest_of_quartics(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     # is the other root next to the same minimum, or beyond the other one, surely smaller?
     opposite = -largest
     rest = np.abs(opposite)
-    positive = _monic(opposite, monic) > NEARLY * _monic(rest, np.abs(monic))
+    positive = _evaluate_monic(opposite, monic) > NEARLY * _evaluate_monic(rest, np.abs(monic))
     outside = np.where(of_right, opposite <= low, opposite >= high)
     past_middle = np.where(of_right, opposite <= middle, opposite >= middle)
     past_minimum = np.where(of_right, opposite < high, opposite > low)
@@ -118,7 +125,7 @@ def _largest_of_quartics(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(none, np.nan, largest * scale), np.where(none, clear, certain)
 
 
-def _monic(s: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+def _evaluate_monic(s: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """Evaluate s^4 + ... with the other coefficients (4, m), highest power first."""
     third, second, first, zeroth = coefficients
     return (((s + third) * s + second) * s + first) * s + zeroth
@@ -130,7 +137,8 @@ def _turning_points(monic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarr
     centre = -0.25 * third
     p = 0.5 * second - 3.0 * centre * centre
     q = 0.25 * first + centre * (0.5 * second - 2.0 * centre * centre)
-    half, third_p = 0.5 * q, p / 3.0
+    half = 0.5 * q
+    third_p = p / 3.0
     discriminant = half * half + third_p * third_p * third_p
     single = discriminant > 0.0
     cube = np.cbrt(np.abs(half) + np.sqrt(np.where(single, discriminant, 0.0)))
@@ -143,31 +151,34 @@ def _turning_points(monic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 class _Outermost(NamedTuple):
-    """Highest root (m,) above a minimum: whether this is below 0, clearly, and it is solved."""
+    """Roots (m,) of quartics above their highest minimum."""
 
-    root: np.ndarray
-    below: np.ndarray
-    clear: np.ndarray
-    solved: np.ndarray
+    root: np.ndarray  # meaningful only where the minimum is below 0
+    below: np.ndarray  # whether the minimum is below 0, so that there is a root
+    clear: np.ndarray  # whether that is certain in spite of rounding
+    solved: np.ndarray  # whether Newton's method found the root
 
 
-def _beyond(minimum: np.ndarray, monic: np.ndarray) -> _Outermost:
-    """Return the roots of monic quartics above their highest minimum.
+def _highest_roots(minimum: np.ndarray, monic: np.ndarray) -> _Outermost:
+    """Return the roots of monic quartics above their highest ``minimum`` (m,).
 
-    From a start in the convex part, Newton's method overshoots once at most and then descends.
+    Newton's method. The start is the root of the parabola through the minimum, but not below the
+    inflection, so that it lies where the quartic is convex: then the first step overshoots at most,
+    and all others descend to the root. A textbook's Newton method has no such guarantee.
     """
     third, second, first, _ = monic
-    depth, size = _monic(minimum, monic), _monic(np.abs(minimum), np.abs(monic))
+    depth = _evaluate_monic(minimum, monic)
+    size = _evaluate_monic(np.abs(minimum), np.abs(monic))
     below = depth < 0.0
     bend = np.sqrt(np.maximum(0.0625 * third * third - second / 6.0, 0.0)) - 0.25 * third
-    convex = (bend <= minimum) | (_monic(bend, monic) < 0.0)
+    convex = (bend <= minimum) | (_evaluate_monic(bend, monic) < 0.0)
     curvature = (6.0 * minimum + 3.0 * third) * minimum + second
     s = minimum + np.sqrt(np.maximum(-depth / curvature, 0.0))
     s = np.where(np.isfinite(s), np.minimum(np.maximum(s, bend), 1.0), 1.0)
     step = s
     for _ in range(NEWTON_STEPS):
         slope = ((4.0 * s + 3.0 * third) * s + 2.0 * second) * s + first
-        step = _monic(s, monic) / slope
+        step = _evaluate_monic(s, monic) / slope
         s = s - step
         if not np.any(below & convex & (np.abs(step) > 2.0 * EPSILON * np.abs(s))):
             break
@@ -175,7 +186,7 @@ def _beyond(minimum: np.ndarray, monic: np.ndarray) -> _Outermost:
     return _Outermost(s, below, np.abs(depth) > NEARLY * size, solved)
 
 
-def _largest_by_isolation(polynomials: np.ndarray) -> np.ndarray:
+def _largest_isolated_roots(polynomials: np.ndarray) -> np.ndarray:
     """Return the real root of largest magnitude (m,) of polynomials, by way of all real roots."""
     roots, bound = _all_real_roots(polynomials)
     sizes = np.where(np.abs(roots) > NEGLIGIBLE_ROOT * bound[:, None], np.abs(roots), -np.inf)
@@ -184,7 +195,11 @@ def _largest_by_isolation(polynomials: np.ndarray) -> np.ndarray:
 
 
 def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return real roots (m, j), NaN if there are fewer than j, and their bounds (m,)."""
+    """Return real roots (m, j), NaN if there are fewer than j, and their bounds (m,).
+
+    Between two neighbouring roots of the derivative, which are found in the same way, a polynomial
+    has at most one root.
+    """
     degree = polynomials.shape[1] - 1
     powers = 1.0 / np.arange(1, degree + 1)
     # Fujiwara's bound of all roots
@@ -202,37 +217,50 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     crossing = np.sign(values[:, :-1]) * np.sign(values[:, 1:]) < 0.0
     row, column = np.nonzero(crossing)
     roots = np.full(crossing.shape, np.nan)
-    roots[row, column] = _between(
+    roots[row, column] = _bracketed_roots(
         polynomials[row].T, derivatives[row].T, ends[row, column], ends[row, column + 1]
     )
     return np.hstack([roots, touching]), bound
 
 
-def _between(
+def _bracketed_roots(
     polynomials: np.ndarray, derivatives: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
-    """Return the root of each polynomial (columns) between two ends of opposite signs."""
+    """Return the root of each polynomial (columns) between two ends of opposite signs.
+
+    Newton's method within a bracket: the bracket is halved instead where a step leaves it, or is
+    not shorter than half of the last one, so that it ends also where the slope vanishes.
+    """
     rising = _horner(low, polynomials) < 0.0
-    low, high = np.where(rising, low, high), np.where(rising, high, low)  # f(low) < 0
-    root, before = 0.5 * (low + high), np.abs(high - low)
-    result, open_ones = root.copy(), np.arange(root.size)
+    below = np.where(rising, low, high)  # where the polynomial is negative
+    above = np.where(rising, high, low)
+    root = 0.5 * (below + above)
+    before = np.abs(above - below)
+    result = root.copy()
+    open_ones = np.arange(root.size)
     for _ in range(ITERATIONS):
-        value, slope = _horner(root, polynomials), _horner(root, derivatives)
-        low, high = np.where(value < 0.0, root, low), np.where(value < 0.0, high, root)
+        value = _horner(root, polynomials)
+        slope = _horner(root, derivatives)
+        below = np.where(value < 0.0, root, below)
+        above = np.where(value < 0.0, above, root)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             newton = root - value / slope
-        inside = (newton > np.minimum(low, high)) & (newton < np.maximum(low, high))
+        inside = (newton > np.minimum(below, above)) & (newton < np.maximum(below, above))
         short = np.abs(newton - root) < 0.5 * before
-        following = np.where(inside & short, newton, 0.5 * (low + high))
+        following = np.where(inside & short, newton, 0.5 * (below + above))
         following = np.where(value == 0.0, root, following)
         change = np.abs(following - root)
         result[open_ones] = following
         going = change > 2.0 * EPSILON * np.abs(following)
         if not going.any():
             break
-        open_ones, root, before = open_ones[going], following[going], change[going]
-        low, high = low[going], high[going]
-        polynomials, derivatives = polynomials[:, going], derivatives[:, going]
+        open_ones = open_ones[going]
+        root = following[going]
+        before = change[going]
+        below = below[going]
+        above = above[going]
+        polynomials = polynomials[:, going]
+        derivatives = derivatives[:, going]
     return result
 
 
@@ -286,7 +314,7 @@ def indifference_interval(
     levels, means, deviations, base = checked(
         levels, means, standard_deviations, samples, significance, base
     )
-    _, deviation, critical, (u,) = _solved(levels, means, deviations, samples, significance, base)
+    _, deviation, critical, (u,) = _solve(levels, means, deviations, samples, significance, base)
     root = base + u * deviation.half_range
     return IndifferenceInterval(
         length=abs(float(u)) * deviation.half_range,
@@ -323,7 +351,10 @@ def lengths_of_responses(
     responses: Sequence[ResponseMoments], samples: int, significance: float = 0.05
 ) -> list[np.ndarray]:
     """Compute `indifference_lengths` of several parameters; all roots are solved at once."""
-    half_ranges, shapes, varying, quartics = [], [], [], []
+    half_ranges = []
+    shapes = []
+    varying = []
+    quartics = []
     for response in responses:
         levels, means, deviations, base = checked(
             *response[:3], samples, significance, response.base, many=True
@@ -347,7 +378,7 @@ def lengths_of_responses(
     ]
 
 
-def _solved(
+def _solve(
     levels: np.ndarray,
     means: np.ndarray,
     deviations: np.ndarray,
@@ -355,7 +386,10 @@ def _solved(
     significance: float,
     base: float,
 ) -> tuple[Quadratic, Quadratic, float, np.ndarray]:
-    """Return quadratics of means and deviations (m, k), the critical value, and roots (m,) in u."""
+    """Fit quadratics to means and deviations (m, k) and solve Eq. (29).
+
+    Return both quadratics, the critical value, and the closest roots (m,) in u.
+    """
     mean, deviation, critical, varies, quartics = _quartics(
         levels, means, deviations, samples, significance, base
     )
@@ -390,11 +424,13 @@ def _quartics(
 
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
     """Return the coefficients (5, ...) of Eq. (29) in u, highest power first."""
-    n, t2 = float(samples), critical * critical
+    n = float(samples)
+    t2 = critical * critical
     sizes = np.abs([*mean[:2], *deviation[:3]]).max(axis=0)
     scale = np.where(sizes > 0.0, sizes, 1.0)
     b, c, bs, cs, ds = (value / scale for value in (*mean[:2], *deviation[:3]))
-    fourth, third = n * b * b - t2 * bs * bs, 2.0 * n * b * c - 2.0 * t2 * bs * cs
+    fourth = n * b * b - t2 * bs * bs
+    third = 2.0 * n * b * c - 2.0 * t2 * bs * cs
     second = n * c * c - t2 * (cs * cs + 2.0 * bs * ds)
     return np.array([fourth, third, second, -2.0 * t2 * cs * ds, -2.0 * t2 * ds * ds])
 
@@ -408,11 +444,11 @@ def closest_roots(quartics: np.ndarray) -> np.ndarray:
     roots = np.full(usual.size, np.nan)
     # the closest root in u is the largest in 1/u, with reversed coefficients
     roots[usual] = 1.0 / largest_real_roots(quartics[usual, ::-1])
-    roots[~usual] = _closest_without_scatter(quartics[~usual, :3])
+    roots[~usual] = _closest_quadratic_roots(quartics[~usual, :3])
     return roots
 
 
-def _closest_without_scatter(quadratics: np.ndarray) -> np.ndarray:
+def _closest_quadratic_roots(quadratics: np.ndarray) -> np.ndarray:
     """Return `closest_roots` (m,) of quartics with a double root at 0, without it (m, 3)."""
     second, first, constant = quadratics.T
     lowest = np.where(constant != 0.0, constant, np.where(first != 0.0, first, second))
@@ -443,7 +479,8 @@ def checked(
     many: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Return levels, means and deviations as arrays, and the base; raise `InputError`."""
-    levels, means = real_array("levels", levels), real_array("means", means)
+    levels = real_array("levels", levels)
+    means = real_array("means", means)
     deviations = real_array("standard_deviations", deviations)
     if levels.ndim != 1 or levels.size < 3:
         raise InputError(f"levels = {levels.tolist()}: must be at least three")
@@ -504,7 +541,7 @@ def paired_indifference_interval(
     """Compute the smallest significant change in a paired t test on the same surfaces."""
     base = float(levels[levels.size // 2]) if base is None else base
     n = samples.shape[1] if surfaces is None else surfaces
-    mean, scatter, critical, (u,) = _solved_pairs(levels, samples[None], n, significance, base)
+    mean, scatter, critical, (u,) = _solve_pairs(levels, samples[None], n, significance, base)
     root = base + u * mean.half_range
     slope = float(n * mean.c[0] ** 2 - critical**2 * scatter.slope[0])
     linear = np.inf
@@ -519,7 +556,7 @@ def paired_indifference_interval(
     )
 
 
-def _solved_pairs(
+def _solve_pairs(
     levels: np.ndarray, samples: np.ndarray, n: int, significance: float, base: float
 ) -> tuple[Quadratic, DifferenceScatter, float, np.ndarray]:
     """Return quadratics and scatters of samples (m, k, n), critical value, and roots (m,) in u."""
@@ -527,9 +564,11 @@ def _solved_pairs(
     scatter = difference_scatter(levels, samples, base)
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))
     size = np.maximum(np.abs(mean.b), np.abs(mean.c))
-    varies, t2 = size > 0.0, critical**2
+    varies = size > 0.0
+    t2 = critical**2
     size = size[varies]
-    b, c = mean.b[varies] / size, mean.c[varies] / size
+    b = mean.b[varies] / size
+    c = mean.c[varies] / size
     slope, irregular = (value[varies] / size**2 for value in scatter)
     quartics = [
         n * b * b,
@@ -551,7 +590,8 @@ def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> Di
     sigma^2 alone gives them, gives V. If V is negative, the surfaces show no different responses:
     the deviations are fitted by constants, and V is 0.
     """
-    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
+    levels = np.asarray(levels, dtype=float)
+    samples = np.asarray(samples, dtype=float)
     k, n = samples.shape[-2:]
     u = (levels - base) / (0.5 * (levels[-1] - levels[0]))
     deviations = samples - samples.mean(axis=-1, keepdims=True)
@@ -574,7 +614,8 @@ def p_of_difference(first: np.ndarray, second: np.ndarray, paired: bool) -> floa
     n = first.size
     change = second - first
     if paired:
-        error, freedom = change.std(ddof=1) / np.sqrt(n), n - 1
+        error = change.std(ddof=1) / np.sqrt(n)
+        freedom = n - 1
     else:
         error = np.sqrt((first.var(ddof=1) + second.var(ddof=1)) / n)
         freedom = 2 * n - 2
@@ -611,10 +652,11 @@ def bootstrap_length(
     drawn = resampled(samples, random, resamples, paired)
     chosen = np.array(list(drawn))
     if paired:
-        mean, *_, u = _solved_pairs(levels, chosen, chosen.shape[2], significance, base)
+        mean, *_, u = _solve_pairs(levels, chosen, chosen.shape[2], significance, base)
         return interval_of_lengths(np.abs(u) * mean.half_range, confidence)
-    moments = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
-    lengths = indifference_lengths(levels, *moments, chosen.shape[2], significance, base)
+    means = chosen.mean(axis=2)
+    deviations = chosen.std(axis=2, ddof=1)
+    lengths = indifference_lengths(levels, means, deviations, chosen.shape[2], significance, base)
     return interval_of_lengths(lengths, confidence)
 
 

@@ -30,15 +30,15 @@ from jointclosure.statistics.standard_errors import jackknife_error
 
 RESAMPLED_POOLS = 40
 """Number of resampled pools; the relative error of a probability's error is then a ninth."""
-_FEWEST_REPETITIONS = 100
+_FEWEST_REPETITIONS = 100  # from each resampled pool
 TAIL_SHARE = 0.01
 """Share of the density that is a Student t (3 degrees of freedom): no value is impossible."""
 
 BLOCK = 16384
 """Numbers that are computed at once: few enough to stay in the cache of a processor."""
-GRID = 512
-FEWEST_ROOTS = 10
-GROUPS = 10
+GRID = 512  # most places at which a density is computed; between them it is interpolated
+FEWEST_ROOTS = 10  # repetitions with a root from which a density is estimated
+GROUPS = 10  # of repetitions, one of which is left out at a time (jackknife)
 Key = TypeVar("Key", bound=tuple[str, ...] | str)
 
 
@@ -100,7 +100,8 @@ def draw_studies(
     for sensitivity in sensitivities.values():
         of_levels = []
         for level, pool in zip(sensitivity.levels, sensitivity.pools, strict=True):
-            size, name = pool.values.shape[1], pool.surfaces
+            size = pool.values.shape[1]
+            name = pool.surfaces
             if name not in resampled:
                 smallest = np.min_scalar_type(size)
                 resampled[name] = random.integers(size, size=(repetitions, size), dtype=smallest)
@@ -180,7 +181,8 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
 def _moments(pool: Pool, resampled: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return means and deviations (R, targets) of draws (R, n) from resampled pools (R, N)."""
     chosen = np.take_along_axis(resampled, index, axis=1)
-    size, centre = pool.values.shape[1], pool.values.mean(axis=1, keepdims=True)
+    size = pool.values.shape[1]
+    centre = pool.values.mean(axis=1, keepdims=True)
     values = (centre + (pool.values - centre) * (size / (size - 1)))[:, chosen]
     means = values.mean(axis=-1, keepdims=True)
     deviations = values.std(axis=-1, ddof=1, mean=means)
@@ -270,7 +272,7 @@ class CrossedLikelihoods(NamedTuple):
             return np.nan
         as_unlikely = repetitions = 0
         for half in self:
-            published, *drawn = _sums(half)
+            published, *drawn = _entry_sums(half)
             as_unlikely += int(np.count_nonzero(drawn <= published))
             repetitions += len(drawn)
         return float((1 + as_unlikely) / (repetitions + 1))
@@ -288,8 +290,8 @@ class JackknifedLikelihood(NamedTuple):
 
     def test(self, crossed: CrossedLikelihoods) -> JointTest:
         """Return the test of the table of these entries."""
-        error = jackknife_error(_sums(self.left_out))
-        return JointTest(float(_sums(self.whole)[0]), float(error), crossed.p())
+        error = jackknife_error(_entry_sums(self.left_out))
+        return JointTest(float(_entry_sums(self.whole)[0]), float(error), crossed.p())
 
 
 def crossed_likelihoods(lengths: np.ndarray, observed: np.ndarray) -> CrossedLikelihoods:
@@ -314,10 +316,10 @@ def jackknifed_likelihood(lengths: np.ndarray, observed: np.ndarray) -> Jackknif
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
     """Return composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
-    return _sums(entry_log_likelihoods(lengths, tables))
+    return _entry_sums(entry_log_likelihoods(lengths, tables))
 
 
-def _sums(logs: np.ndarray) -> np.ndarray:
+def _entry_sums(logs: np.ndarray) -> np.ndarray:
     """Return sums (m,) over entries, in one order of sums, whatever entries were selected."""
     return np.ascontiguousarray(logs).sum(axis=1)
 
@@ -347,7 +349,8 @@ def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
     quarters = np.quantile(draws, [0.25, 0.5, 0.75])
     scale = (quarters[2] - quarters[0]) / 1.349
     width = 0.9 * min(draws.std(ddof=1), scale) * draws.size**-0.2
-    low, high = draws.min() - 4.0 * width, draws.max() + 4.0 * width
+    low = draws.min() - 4.0 * width
+    high = draws.max() + 4.0 * width
     grid = np.linspace(low, high, GRID) if at.size > GRID else np.sort(at)
     kernel = _mean_kernels(grid, draws, width) / (width * np.sqrt(2.0 * np.pi))
     # density of Student's t with 3 degrees of freedom
@@ -360,7 +363,8 @@ def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
 def _mean_kernels(grid: np.ndarray, draws: np.ndarray, width: float) -> np.ndarray:
     """Return means (m,) over draws of exp(-z^2/2) with z = (grid - draw)/width, in blocks."""
     means = np.empty(grid.size)
-    grid, draws = grid / (np.sqrt(2.0) * width), draws / (np.sqrt(2.0) * width)
+    grid = grid / (np.sqrt(2.0) * width)
+    draws = draws / (np.sqrt(2.0) * width)
     rows = max(BLOCK // draws.size, 1)
     for start in range(0, grid.size, rows):
         exponents = grid[start : start + rows, None] - draws

@@ -64,7 +64,8 @@ def resampled(
     samples, random: np.random.Generator, resamples: int, paired: bool
 ) -> Iterator[np.ndarray]:
     """Generate bootstrap samples (..., n) of surfaces: the same in all rows if ``paired``."""
-    samples, n = np.asarray(samples, dtype=float), np.shape(samples)[-1]
+    n = np.shape(samples)[-1]
+    samples = np.asarray(samples, dtype=float)
     for _ in range(resamples):
         index = random.integers(n, size=n if paired else samples.shape)
         yield np.take_along_axis(samples, np.broadcast_to(index, samples.shape), axis=-1)
@@ -103,7 +104,8 @@ def rounded(value: float, standard_error: float) -> str:
     if leading >= 9.5:  # rounds to 10 of the next power: two digits
         digits = -exponent
     places = max(digits, 0)
-    value, standard_error = round(value, digits), round(standard_error, digits)
+    value = round(value, digits)
+    standard_error = round(standard_error, digits)
     return f"{value + 0.0:.{places}f} ± {standard_error:.{places}f}"
 
 
@@ -138,7 +140,8 @@ def percent(share: float) -> str:
 def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
     """Compute the ratio of means of rows (n,) on the same surfaces, its error by delta method."""
     known = np.isfinite(over) & np.isfinite(under)
-    over, under = over[known], under[known]
+    over = over[known]
+    under = under[known]
     if not known.any() or under.mean() == 0.0:
         return Estimate(np.nan, np.nan)
     ratio = float(over.mean() / under.mean())

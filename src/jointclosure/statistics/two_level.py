@@ -38,7 +38,9 @@ class Interval(NamedTuple):
 
 def t_interval(samples: np.ndarray) -> Interval:
     """Return the mean of samples (n,) with its interval by Student's t; infinite for one sample."""
-    return _about(float(np.mean(samples)), [_squared_error(samples)], [np.size(samples) - 1])
+    return _interval_about(
+        float(np.mean(samples)), [_squared_error(samples)], [np.size(samples) - 1]
+    )
 
 
 def two_level_mean(cheap: np.ndarray, differences: np.ndarray) -> Interval:
@@ -54,15 +56,17 @@ def combined(value: float, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> In
     of them; both of a joint may be correlated. The degrees of freedom are those of B. L. Welch,
     Biometrika 34, 1947, 28-35.
     """
-    squares, freedoms = [], []
+    squares = []
+    freedoms = []
     for cheap, differences in parts:
-        n, k = np.size(cheap), np.size(differences)
+        n = np.size(cheap)
+        k = np.size(differences)
         if k < 2:
             return Interval(value, -math.inf, math.inf)
         squares += [k * float(np.var(cheap[:k] + differences, ddof=1))]
         squares += [(n - k) * float(np.var(cheap, ddof=1))]
         freedoms += [k - 1, n - 1]
-    return _about(value, squares, freedoms)
+    return _interval_about(value, squares, freedoms)
 
 
 class Plan(NamedTuple):
@@ -86,23 +90,26 @@ def best_plan(
     the times of a joint at the cheap level and of a difference at both. A budget replaces the
     half-width.
     """
-    joints, best = FEWEST, None
+    joints = FEWEST
+    best = None
     while True:
-        plan = _plan(deviations, seconds, joints)
+        plan = _best_split(deviations, seconds, joints)
         if budget is not None and plan.seconds > budget:
             return best
         if budget is None and plan.half_width <= within:
             return plan
-        best, joints = plan, math.ceil(1.02 * joints + 0.5)
+        best = plan
+        joints = math.ceil(1.02 * joints + 0.5)
 
 
-def _plan(deviations: tuple[float, float], seconds: tuple[float, float], joints: int) -> Plan:
+def _best_split(deviations: tuple[float, float], seconds: tuple[float, float], joints: int) -> Plan:
     """Return the plan with the best number of differences for a number of joints."""
-    (first, second), (cheap, both) = deviations, seconds
+    first, second = deviations
+    cheap, both = seconds
     share = second * math.sqrt(cheap) / (first * math.sqrt(both)) if first * both > 0.0 else 1.0
     differences = min(max(FEWEST, math.ceil(share * joints)), joints)
     squares = [d**2 / n for d, n in zip(deviations, (joints, differences), strict=True)]
-    half = _about(0.0, squares, [joints - 1, differences - 1]).high
+    half = _interval_about(0.0, squares, [joints - 1, differences - 1]).high
     return Plan(joints, differences, joints * cheap + differences * both, half)
 
 
@@ -111,7 +118,7 @@ def _squared_error(samples: np.ndarray) -> float:
     return float(np.var(samples, ddof=1)) / count if count > 1 else math.inf
 
 
-def _about(value: float, squares: list[float], freedoms: list[int]) -> Interval:
+def _interval_about(value: float, squares: list[float], freedoms: list[int]) -> Interval:
     """Return an interval about a value from the squared errors of its parts and their freedoms."""
     total = sum(squares)
     if not math.isfinite(total):

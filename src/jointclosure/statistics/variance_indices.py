@@ -31,7 +31,7 @@ from scipy.special import ndtr, ndtri
 
 from jointclosure.inputs import InputError
 
-_DEGREE = 3
+_DEGREE = 3  # of the polynomials of a continuous input
 FOLDS = 8
 """Number of parts of the rows; each part is left out of the fit that is used for it."""
 
@@ -147,7 +147,7 @@ class Indices(NamedTuple):
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
     """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each."""
-    a, b = _sobol(2 * inputs, rows, seed).reshape(rows, 2, inputs).swapaxes(0, 1)
+    a, b = _sobol_points(2 * inputs, rows, seed).reshape(rows, 2, inputs).swapaxes(0, 1)
     points = np.repeat(a[:, None, :], inputs + 2, axis=1)
     points[:, 1] = b
     for one in range(inputs):
@@ -155,7 +155,7 @@ def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
     return points
 
 
-def _sobol(inputs: int, rows: int, seed: int) -> np.ndarray:
+def _sobol_points(inputs: int, rows: int, seed: int) -> np.ndarray:
     """Return scrambled Sobol points (rows, inputs) of the unit cube."""
     random = np.random.default_rng(seed)
     return scipy.stats.qmc.Sobol(inputs, scramble=True, rng=random).random(rows)
@@ -163,7 +163,8 @@ def _sobol(inputs: int, rows: int, seed: int) -> np.ndarray:
 
 def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     """Estimate first and total indices of every input."""
-    points, responses = np.asarray(points, float), np.asarray(responses, float)
+    points = np.asarray(points, float)
+    responses = np.asarray(responses, float)
     n, columns, d = points.shape
     if responses.shape != (n, columns, 2) or columns != d + 2 or len(values) != d:
         raise InputError(
@@ -175,7 +176,8 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     if not np.isfinite(responses).all():
         raise InputError("responses: must be finite")
     centred = responses - responses.mean()
-    terms, explained = _row_terms(centred), 0.0
+    terms = _row_terms(centred)
+    explained = 0.0
     for first in range(FOLDS):
         part = np.arange(first, n, FOLDS)
         others = np.setdiff1d(np.arange(n), part)
@@ -189,10 +191,14 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     noise = 0.5 * np.mean((responses[..., 0] - responses[..., 1]) ** 2, axis=1)
     whole = terms[:, 0].mean()
     with np.errstate(invalid="ignore", divide="ignore"):
-        errors = _jackknifed(terms, noise)
+        errors = _jackknife_errors(terms, noise)
     if not whole > 0.0:  # below the noise of the surfaces: shares are undefined
-        terms[:, 1:], errors[1:-1], explained, whole = np.nan, np.nan, np.nan, max(whole, 0.0)
-    joint, over = whole + noise.mean(), whole or np.nan
+        terms[:, 1:] = np.nan
+        errors[1:-1] = np.nan
+        explained = np.nan
+        whole = max(whole, 0.0)
+    joint = whole + noise.mean()
+    over = whole or np.nan
     return Indices(
         first=terms[:, 1 : d + 1].mean(axis=0) / over,
         first_error=errors[1 : d + 1],
@@ -218,7 +224,8 @@ def shapley_effects(
     their variance equally. The others are grouped by the independent inputs that they contain, each
     group a game; the variance due to inputs J is the covariance of responses that share only x_J.
     """
-    d, coefficients = len(values), np.asarray(coefficients, dtype=float)
+    d = len(values)
+    coefficients = np.asarray(coefficients, dtype=float)
     bound = frozenset(one for pair in correlations or {} for one in pair)
     effects = np.zeros((d, *coefficients.shape[1:]))
     games: dict[frozenset[int], list[int]] = {}
@@ -230,21 +237,23 @@ def shapley_effects(
             effects[one] += coefficients[number] ** 2 / len(term.inputs)
     for apart, numbers in games.items():
         players = sorted(bound | apart)
-        stated = players, values, numbers, coefficients[numbers], correlations or {}, draws
-        effects[players] += _shares(*stated)
+        effects[players] += _shapley_values(
+            players, values, numbers, coefficients[numbers], correlations or {}, draws
+        )
     return effects / effects.sum(axis=0)
 
 
-def _shares(players, values, numbers, coefficients, correlations, draws) -> np.ndarray:
+def _shapley_values(players, values, numbers, coefficients, correlations, draws) -> np.ndarray:
     """Return Shapley values (players, ...) of the variance of terms of these inputs only."""
-    place, terms = {one: at for at, one in enumerate(players)}, terms_of(values)
+    place = {one: at for at, one in enumerate(players)}
+    terms = terms_of(values)
     factors = (terms[number].factors for number in numbers)
     player_terms = tuple(Term(tuple((place[i], k) for i, k in pairs)) for pairs in factors)
     among = {(place[one], place[other]): value for (one, other), value in correlations.items()}
     d = len(players)
     subsets = [frozenset(some) for size in range(d + 1) for some in combinations(range(d), size)]
     counts = tuple(values[one] for one in players)
-    variances = dict(_drawn_variances(counts, player_terms, coefficients, among, draws, subsets))
+    variances = dict(_sampled_variances(counts, player_terms, coefficients, among, draws, subsets))
     shares = np.zeros((d, *coefficients.shape[1:]))
     for some in subsets[:-1]:
         weight = factorial(len(some)) * factorial(d - len(some) - 1) / factorial(d)
@@ -253,8 +262,12 @@ def _shares(players, values, numbers, coefficients, correlations, draws) -> np.n
     return shares
 
 
-def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
-    """Generate (subset, variance due to it) for dependent inputs."""
+def _sampled_variances(values, terms, coefficients, correlations, draws, subsets):
+    """Generate each subset of dependent inputs, and the variance due to it.
+
+    That is the covariance of two responses whose points have the inputs of the subset in common;
+    the others of the second point are drawn from their normal distribution given these.
+    """
     d = len(values)
     matrix = np.eye(d)
     for (one, other), correlation in correlations.items():
@@ -263,13 +276,15 @@ def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
         raise InputError(
             f"correlations {dict(correlations)}: must be correlations of normal variables"
         )
-    random = _sobol(2 * d, draws, 0)
-    normal, other = ndtri(random[:, :d]), ndtri(random[:, d:])
+    random = _sobol_points(2 * d, draws, 0)
+    normal = ndtri(random[:, :d])
+    other = ndtri(random[:, d:])
     first = normal @ np.linalg.cholesky(matrix).T
     response = design_matrix(ndtr(first), values, terms) @ coefficients
     centred = response - response.mean(axis=0)
     for some in subsets:
-        held, free = sorted(some), [i for i in range(d) if i not in some]
+        held = sorted(some)
+        free = [i for i in range(d) if i not in some]
         if not some or not free:
             yield some, (centred**2).mean(axis=0) if some else np.zeros(response.shape[1:])
             continue
@@ -285,7 +300,9 @@ def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
 
 def _row_terms(responses: np.ndarray) -> np.ndarray:
     """Return V, every V_i and every V_Ti of each row: (N, 1 + 2 d)."""
-    a, b, mixed = responses[:, 0], responses[:, 1], responses[:, 2:]
+    a = responses[:, 0]
+    b = responses[:, 1]
+    mixed = responses[:, 2:]
     change = mixed - a[:, None, :]
     first = 0.5 * (b[:, None, 0] * change[..., 1] + b[:, None, 1] * change[..., 0])
     total = 0.5 * change[..., 0] * change[..., 1]
@@ -293,7 +310,7 @@ def _row_terms(responses: np.ndarray) -> np.ndarray:
     return np.concatenate([whole[:, None], first, total], axis=1)
 
 
-def _jackknifed(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
+def _jackknife_errors(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """Return the errors of V, of the ratios, and of the share of the surfaces."""
     n = noise.size
     left = (terms.sum(axis=0) - terms) / (n - 1)

@@ -57,5 +57,6 @@ def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
     error = float(np.hypot(np.sqrt(share * (1.0 - share) / n), pool_error))
     if pool_error:
-        low, high = min(low, share - 2.0 * error), max(high, share + 2.0 * error)
+        low = min(low, share - 2.0 * error)
+        high = max(high, share + 2.0 * error)
     return Frequency(share, error, max(0.0, float(low)), min(1.0, float(high)))

@@ -45,13 +45,13 @@ def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
         _remove_litter(path, written_here)
         temporary.touch()  # for an error that names what is wrong with the folder
         write(temporary)
-        _to_disk(temporary)
+        _flush_to_disk(temporary)
         os.replace(temporary, path)
-        _to_disk(path.parent)
+        _flush_to_disk(path.parent)
     except DamagedFileError:  # from a file that was read by ``write``
         raise
     except OSError as error:
-        raise _not_written(path, error) from error
+        raise _writing_error(path, error) from error
     finally:
         with suppress(OSError):  # there is no such folder
             temporary.unlink(missing_ok=True)
@@ -68,7 +68,7 @@ def _remove_litter(path: Path, written_here: str) -> None:
                 litter.unlink(missing_ok=True)
 
 
-def _to_disk(path: Path) -> None:
+def _flush_to_disk(path: Path) -> None:
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -76,7 +76,7 @@ def _to_disk(path: Path) -> None:
         os.close(handle)
 
 
-def _not_written(path: Path, error: OSError) -> OSError:
+def _writing_error(path: Path, error: OSError) -> OSError:
     """Return the error to be raised, with the free space on the disk if that may be the reason."""
     message = f"{path}: could not be written ({error})"
     if error.errno in _NOT_OF_SPACE:

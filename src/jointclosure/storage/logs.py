@@ -19,7 +19,8 @@ class Logbook:
     """Log of lines with the time since its start, flushed one by one."""
 
     def __init__(self, stream: TextIO):
-        self._stream, self._start = stream, time.monotonic()
+        self._stream = stream
+        self._start = time.monotonic()
 
     def __call__(self, line: str) -> None:
         print(f"{time.monotonic() - self._start:8.2f} s  {line}", file=self._stream, flush=True)
@@ -46,7 +47,8 @@ def logging_to(
     """
     for path in (log, benchmark):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-    start, used = time.monotonic(), time.process_time()
+    start = time.monotonic()
+    used = time.process_time()
     if not raised:  # what a script imported stays: no collection looks through it, also at its end
         gc.freeze()
     with (

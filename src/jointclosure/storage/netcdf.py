@@ -31,7 +31,8 @@ def write_netcdf(
     It then has one entry along the ``dimension``. Regions lack dimensions whose position is a
     number; ``chunks`` are compressed together.
     """
-    dataset, encoding = dataset.drop_encoding(), dict[Any, dict[str, Any]]()
+    dataset = dataset.drop_encoding()
+    encoding = dict[Any, dict[str, Any]]()
     sizes: dict[Any, int] = dict(dataset.sizes) | dict(chunks)
     for name, variable in dataset.variables.items():
         if variable.dtype.kind in "fiu" and variable.ndim > 0:
@@ -48,7 +49,7 @@ def write_netcdf(
                     for stored in file.variables.values():
                         stored.set_var_chunk_cache(_CHUNK_CACHE)
                     for place, region in regions:
-                        _put(file, region, place)
+                        _write_region(file, region, place)
         except RuntimeError as error:  # how netCDF reports errors of writing
             raise OSError(str(error)) from error
         except PermissionError as error:  # not of the folder, in which the file was just made
@@ -58,7 +59,7 @@ def write_netcdf(
     atomically(path, write)
 
 
-def _put(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
+def _write_region(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
     """Write the variables of a dataset that have a dimension of its position."""
     for name, variable in region.variables.items():
         dimensions = file[str(name)].dimensions

@@ -84,7 +84,7 @@ class ClosedJoint(NamedTuple):
     def curves(self) -> pd.DataFrame:
         """Closure, stiffness, aperture and flow over stress, with bands if they are known.
 
-        They are those of `jointclosure.joint.curves.stress_table` at round stresses and the named
+        They are those of `jointclosure.joint.tables.stress_table` at round stresses and the named
         ones.
         """
         if self.budget is not None:
@@ -213,57 +213,94 @@ def close(
     checked = stated.checked(snapshots)
     check_named_stresses(at, checked.largest_stress)
     check_joint_lengths(joint_length, lab_length)
-    scans = {"units": units, "scan_spacing": scan_spacing, "variable": variable}
     pair = registered_walls(
-        upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,
-        spikes=spikes, unusual_values=stated.unusual_values,
-    )  # fmt: skip
-    of_pair = checked._replace(spacing=pair.spacing)
+        upper,
+        lower,
+        {"units": units, "scan_spacing": scan_spacing, "variable": variable},
+        stated.spacing,
+        orientation=orientation,
+        shift=shift,
+        spikes=spikes,
+        unusual_values=stated.unusual_values,
+    )
+    conditions = checked._replace(spacing=pair.spacing)
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
-
-    def remark(lines: Sequence[str], doubts: Sequence[str]) -> None:
-        """Print lines, or warn of the doubts among them."""
-        if progress:
-            print("".join(f"- {line}\n" for line in lines), end="", flush=True)
-        for doubt in () if progress else doubts:
-            warnings.warn(doubt, stacklevel=3)
-
+    remark = _Remarks(printed=progress)
     remark(pair.report, () if stated.unusual_values else pair.warnings)
     if progress:
-        ny, nx = pair.upper.shape
-        cells = f"{nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm"
-        print(f"{rock_text(of_pair.rock, name)}; {cells}: {of_pair.load_text()}")
+        print(_description(pair, conditions, name))
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+
     errors = None if single else pair.errors
-    noisy = _about_noise(pair, errors)
-    pair = pair._replace(report=[*pair.report, *noisy])
-    remark(noisy, ())
-    if cost := expected_cost(pair.upper, pair.lower, of_pair, single, ranges, errors, workers):
-        forecast = [cost.sentence(pair.upper.shape, pair.spacing)]
-        remark(forecast, forecast)
-    kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots
+    of_noise = _about_noise(pair, errors)
+    remark(of_noise)
+    cost = expected_cost(pair.upper, pair.lower, conditions, single, ranges, errors, workers)
+    if cost:
+        sentence = cost.sentence(pair.upper.shape, pair.spacing)
+        remark([sentence], [sentence])
+
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
-        history = close_walls(pair.upper, pair.lower, of_pair, watch, kept)
-    if pair.holes.any():
-        about = _force_in_holes(pair, history)
-        history = with_snapshots(history, snapshots)
-        pair = pair._replace(report=[*pair.report, *about])
-        remark(about, () if stated.unusual_values else cautions(about))
-    joint = ClosedJoint(pair, history, of_pair, name, None, tuple(at), joint_length, lab_length)
+        history, of_holes = _simulated(pair, conditions, snapshots, watch)
+    remark(of_holes, () if stated.unusual_values else cautions(of_holes))
+    pair = pair._replace(report=[*pair.report, *of_noise, *of_holes])
+    joint = ClosedJoint(pair, history, conditions, name, None, tuple(at), joint_length, lab_length)
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
-    walls = pair.upper, pair.lower
+
     try:
-        with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
-            budget = uncertainty_budget(*walls, of_pair, ranges, history, show, errors, workers, at)
+        with bar("range") if progress else nullcontext(_no_bar) as show:
+            budget = uncertainty_budget(
+                pair.upper, pair.lower, conditions, ranges, history, show, errors, workers, at
+            )
     except KeyboardInterrupt:
         if not progress:
             raise
-        remark(
-            [stopped := caution("the range was stopped: these are results of the joint alone")], ()
-        )
+        stopped = caution("the range was stopped: these are results of the joint alone")
+        remark([stopped])
         return joint._replace(pair=pair._replace(report=[*pair.report, stopped]))
     return joint._replace(budget=budget)
+
+
+class _Remarks:
+    """Remarks of `close` on its way: printed lines, or warnings of the doubts among them."""
+
+    def __init__(self, printed: bool) -> None:
+        self.printed = printed
+
+    def __call__(self, lines: Sequence[str], doubts: Sequence[str] = ()) -> None:
+        if self.printed:
+            print("".join(f"- {line}\n" for line in lines), end="", flush=True)
+            return
+        for doubt in doubts:
+            warnings.warn(doubt, stacklevel=3)  # at the line that called `close`
+
+
+def _no_bar(share: float, variant: str) -> None:
+    """Show no progress."""
+
+
+def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
+    """Describe rock, grid and load of a joint before it is simulated."""
+    ny, nx = pair.upper.shape
+    cells = f"{nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm"
+    return f"{rock_text(conditions.rock, rock_name)}; {cells}: {conditions.load_text()}"
+
+
+def _simulated(
+    pair: RegisteredPair,
+    conditions: Conditions,
+    snapshots: Sequence[float],
+    report: Report | None,
+) -> tuple[xr.Dataset, list[str]]:
+    """Simulate a registered pair; return its history, and remarks on the force on holes.
+
+    The force is that at the largest stress, of which a snapshot is taken and given up again.
+    """
+    if not pair.holes.any():
+        return close_walls(pair.upper, pair.lower, conditions, report, snapshots), []
+    with_largest = (*snapshots, float(conditions.largest_stress))
+    history = close_walls(pair.upper, pair.lower, conditions, report, with_largest)
+    return with_snapshots(history, snapshots), _force_in_holes(pair, history)
 
 
 def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:

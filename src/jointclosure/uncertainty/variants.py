@@ -95,7 +95,8 @@ class Variant(NamedTuple):
         """Return the walls (y, x) [m] of the variant."""
         step = round(self.step)
         if errors and errors.walls:
-            (upper, lower), step = errors.walls, round(self.step * errors.step)
+            upper, lower = errors.walls
+            step = round(self.step * errors.step)
         if errors and self.scale:
             upper, lower = errors.with_one_scale(upper, lower, self.scale)
         if errors and self.resolution:
@@ -111,7 +112,8 @@ class Variant(NamedTuple):
 
     def changed(self, name: str, value: Any) -> "Variant":
         """Return the variant with another value of a source."""
-        conditions, choices = self.conditions, self.conditions.choices
+        conditions = self.conditions
+        choices = self.conditions.choices
         if name in _FIELDS:
             changed = self._replace(**{_FIELDS[name]: value})
             spacing = value * conditions.grid_spacing if name == "spacing" else conditions.spacing
@@ -140,7 +142,9 @@ def sources_of(
 ) -> dict[str, Source]:
     """Return the sources of uncertainty of (ny, nx) cells by name; ``ranges`` are of `VARIED`."""
     _check_ranges(conditions, ranges)
-    effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
+    effects = conditions.effects
+    numerics = conditions.numerics
+    choices = conditions.choices
     sources = {}
     if "spacing" in ranges:
         sources["spacing"] = Source((1, round(ranges["spacing"][1] / conditions.grid_spacing)))
@@ -170,7 +174,8 @@ def sources_of(
     acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
     acting["peaks"] = effects.soft_peaks and effects.breakage
     for name, ends in PLAUSIBLE.items():
-        values, stated = tuple(ranges.get(name, ends)), name in ranges
+        values = tuple(ranges.get(name, ends))
+        stated = name in ranges
         if not acting[name]:
             continue
         joint = getattr(choices, name)
@@ -188,7 +193,8 @@ def sources_of(
 
 def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
     """Return the source of a number that the joint has and that may be between two ends."""
-    low, high = min(joint, ends[0]), max(joint, ends[1])
+    low = min(joint, ends[0])
+    high = max(joint, ends[1])
     part = (
         math.log(joint / low) / math.log(high / low) if low > 0.0 else (joint - low) / (high - low)
     )
@@ -208,10 +214,12 @@ def variants_of(
             yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
     fixed = {name for name, source in sources.items() if source.kind == SHARED or not source.varied}
     for number, row in enumerate(random_shares(sources, draws, seed)):
-        drawn, texts = joint._replace(source=ALL), []
+        drawn = joint._replace(source=ALL)
+        texts = []
         if not sources.keys() - fixed - {ORDER}:  # only the order of breakage is left
             copy = list(COPIES)[1 + number % (len(COPIES) - 1)]
-            drawn, texts = drawn.changed(ORDER, copy), [f"{TITLES[ORDER]} {copy}"]
+            drawn = drawn.changed(ORDER, copy)
+            texts = [f"{TITLES[ORDER]} {copy}"]
         for share, (name, source) in zip(row, sources.items(), strict=True):
             if name == ORDER or name in fixed:  # another order, and the same steps, in all
                 continue
@@ -288,7 +296,8 @@ def uncertainty_budget(
         about = {"source": variant.source, "value": variant.value, "status": status}
         return rows.assign(**about), curves.assign(source=variant.source)
 
-    answers, cells = {}, max(upper.size, errors.cells if errors else 0)
+    answers = {}
+    cells = max(upper.size, errors.cells if errors else 0)
     for number, answer in in_threads(tables_of, variants, threads_for(cells, workers)):
         answers[number], name = answer, variants[number].source
         report(len(answers) / len(variants), TITLES.get(name, name or "joint"))

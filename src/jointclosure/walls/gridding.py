@@ -28,9 +28,11 @@ class Scan(NamedTuple):
     remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        (ny, nx), (dy, dx) = self.heights.shape, self.spacing
+        ny, nx = self.heights.shape
+        dy, dx = self.spacing
         missing = 100.0 * float(np.isnan(self.heights).mean())
-        low, high = 1e3 * np.nanmin(self.heights), 1e3 * np.nanmax(self.heights)
+        low = 1e3 * np.nanmin(self.heights)
+        high = 1e3 * np.nanmax(self.heights)
         grid = f"{nx} x {ny} points, {1e3 * dx:.4g} x {1e3 * dy:.4g} mm apart"
         return f"<Scan: {grid}, heights {low:.4g} to {high:.4g} mm, {missing:.3g} % missing>"
 
@@ -74,7 +76,7 @@ def gaps(known: np.ndarray) -> np.ndarray:
     return (between(known, 0) | between(known, 1)) & ~known
 
 
-def _narrow(known: np.ndarray) -> np.ndarray:
+def _closed_gaps(known: np.ndarray) -> np.ndarray:
     """Return which cells (y, x) lie between known ones at most three apart; not beside a rim."""
     closed = scipy.ndimage.binary_closing
     return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
@@ -82,14 +84,14 @@ def _narrow(known: np.ndarray) -> np.ndarray:
 
 def holes(known: np.ndarray) -> np.ndarray:
     """Return the `gaps` (y, x) at least three cells wide, and those inside that are no dropouts."""
-    inside = between(known, 0) & between(known, 1) & ~(known | _narrow(known))
+    inside = between(known, 0) & between(known, 1) & ~(known | _closed_gaps(known))
     return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
 
 
 def without_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
     """Fill narrow gaps between known cells of a wall (y, x), except in holes, linearly."""
     known = np.isfinite(wall)
-    dropouts = _narrow(known) & ~(known | hole)
+    dropouts = _closed_gaps(known) & ~(known | hole)
     return np.where(dropouts, filled(wall, "linear", 1.0), wall) if dropouts.any() else wall
 
 
@@ -113,8 +115,8 @@ def paper_spacing(distance: float) -> float:
 def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
     """Return a flat wall: the mean plane of a scan at its places, with heights times a sign."""
     if isinstance(scan, Scan):
-        return Scan(sign * (scan.heights - _levelled(scan)), scan.spacing, scan.origin)
-    plane = scan.points[:, 2] - _levelled(scan)
+        return Scan(sign * (scan.heights - _heights_less_plane(scan)), scan.spacing, scan.origin)
+    plane = scan.points[:, 2] - _heights_less_plane(scan)
     return Cloud(np.column_stack([scan.points[:, :2], sign * plane]))
 
 
@@ -124,7 +126,7 @@ def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = No
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
         finer = f"finer than the scan, whose points are {1e3 * distance:.4g} mm apart"
         raise InputError(f"grid spacing {1e3 * spacing:g} mm: {finer}")
-    level = _levelled(scan)
+    level = _heights_less_plane(scan)
     if isinstance(scan, Scan):
         return _resampled(Scan(level, scan.spacing), spacing, (0.0, 0.0))
     places = scan.points[:, :2]
@@ -154,7 +156,8 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     """Take heights of a grid at nodes of a coarser one, which keeps slopes, as means would not."""
-    origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
+    origin = np.array(scan.origin or (0.0, 0.0))
+    steps = np.array(scan.spacing)
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
     start = np.maximum((first - origin) / steps, 0.0)
     y, x = (origin + start * steps).tolist()
@@ -162,7 +165,7 @@ def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
 
 
-def _levelled(scan: Scan | Cloud) -> np.ndarray:
+def _heights_less_plane(scan: Scan | Cloud) -> np.ndarray:
     """Return heights of a scan [m] less their least-squares plane; NaN remain."""
     if isinstance(scan, Cloud):
         x, y, heights = scan.points.T
@@ -192,15 +195,19 @@ def heights_between(
     if off.any():
         used = np.zeros(len(places), bool)
         used[near[off]] = True
-        interpolated[off] = _in_triangles(places[used], heights[used], nodes[off])
+        interpolated[off] = _triangle_interpolation(places[used], heights[used], nodes[off])
     return np.where(nearest <= reach, interpolated, np.nan)
 
 
-def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+def _triangle_interpolation(
+    places: np.ndarray, heights: np.ndarray, nodes: np.ndarray
+) -> np.ndarray:
     """Interpolate heights at nodes (..., 2) in Delaunay triangles; same bits on any processor."""
     # the triangulation is most robust for coordinates of order one about zero
-    centre, scale = places.mean(axis=0), np.ptp(places)
-    corners, at = (places - centre) / scale, (nodes - centre) / scale
+    centre = places.mean(axis=0)
+    scale = np.ptp(places)
+    corners = (places - centre) / scale
+    at = (nodes - centre) / scale
     triangles = scipy.spatial.Delaunay(corners)
     # called for each triangle: on a busy machine each call would wait for the other threads
     with threadpool_limits(limits=1, user_api="blas"):
@@ -217,7 +224,8 @@ def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) ->
 
 def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray:
     """Return heights at another spacing, from a node ``start`` (y, x) in points of the scan on."""
-    heights, ratios = scan.heights, [spacing / scanned for scanned in scan.spacing]
+    heights = scan.heights
+    ratios = [spacing / scanned for scanned in scan.spacing]
     exact = np.column_stack([start, ratios])
     whole = np.rint(exact).astype(int)
     if np.all(np.abs(exact - whole) < 1e-6 * exact[:, 1:]):
@@ -231,7 +239,8 @@ def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray
         for n, first, ratio in zip(heights.shape, start, ratios, strict=True)
     ]
     wall = scipy.interpolate.RectBivariateSpline(*axes, nearest_filled(heights))(*wanted)
-    missing, nodes = (~np.isfinite(heights)).astype(float), np.meshgrid(*wanted, indexing="ij")
+    missing = (~np.isfinite(heights)).astype(float)
+    nodes = np.meshgrid(*wanted, indexing="ij")
     touched = scipy.ndimage.map_coordinates(missing, nodes, order=1, mode="nearest")
     return np.where(touched > 1e-9, np.nan, wall)
 
@@ -257,7 +266,7 @@ def filled(wall: np.ndarray, missing: str, most: float = LARGEST_FILLED_SHARE) -
     result = nearest_filled(wall)
     if missing == "linear":
         rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
-        inside = _in_triangles(np.argwhere(rim), wall[rim], np.argwhere(holes))
+        inside = _triangle_interpolation(np.argwhere(rim), wall[rim], np.argwhere(holes))
         result[holes] = np.where(np.isfinite(inside), inside, result[holes])
     return result
 

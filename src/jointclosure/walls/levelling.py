@@ -12,7 +12,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.walls import gridding
 from jointclosure.walls.gridding import Cloud, Scan, points_of
-from jointclosure.walls.motion import Motion, heights_after, levelling_rotation
+from jointclosure.walls.motion import Motion, levelling_rotation, moved_heights
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.plausibility import smoothing_of
 from jointclosure.walls.roughness import Plane, plane_through
@@ -26,7 +26,7 @@ Heights of a grid are interpolated when it is turned, which takes about 1 % of s
 STEEPEST = 45.0  # largest inclination [degrees] of a wall that is seen along z
 
 
-def _plane(scan: Scan | Cloud) -> Plane:
+def _mean_plane(scan: Scan | Cloud) -> Plane:
     points = points_of(scan)
     known = points[np.isfinite(points[:, 2])]
     if len(known) < 4:
@@ -36,11 +36,11 @@ def _plane(scan: Scan | Cloud) -> Plane:
 
 def slopes_of(scan: Scan | Cloud) -> tuple[float, float]:
     """Return the slopes of a scan's mean plane along x and y."""
-    plane = _plane(scan)
+    plane = _mean_plane(scan)
     return plane.slope_x, plane.slope_y
 
 
-def _degrees(plane: Plane) -> float:
+def _inclination(plane: Plane) -> float:
     return math.degrees(math.atan(math.hypot(plane.slope_x, plane.slope_y)))
 
 
@@ -69,14 +69,14 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
     InputError
         If the mean plane is inclined by more than `STEEPEST` degrees.
     """
-    plane = _plane(scan)
-    if not _degrees(plane) > (LEVEL[type(scan)] if beyond is None else beyond):
+    plane = _mean_plane(scan)
+    if not _inclination(plane) > (LEVEL[type(scan)] if beyond is None else beyond):
         return scan, None
-    return _turned(scan, plane)
+    return _level_scan(scan, plane)
 
 
-def _turned(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
-    tilt = _degrees(plane)
+def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
+    tilt = _inclination(plane)
     if tilt > STEEPEST:
         raise InputError(
             f"the mean plane is inclined by {tilt:.1f} degrees: at most {STEEPEST:g}; turn the "
@@ -91,16 +91,16 @@ def _turned(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
         f"the mean plane is inclined by {tilt:.1f} degrees: the scan was turned until it lies level"
     )
     if isinstance(scan, Cloud):
-        return _as_grid(Cloud(motion.forth(scan.points), (*scan.remarks, remark))), motion
-    grid = _grid_after(scan, motion, plane)
-    moved = motion.forth(points[np.isfinite(points[:, 2])])
+        return _grid_if_regular(Cloud(motion.moved(scan.points), (*scan.remarks, remark))), motion
+    grid = _turned_grid(scan, motion, plane)
+    moved = motion.moved(points[np.isfinite(points[:, 2])])
     low = np.array((grid.origin or (0.0, 0.0))[::-1])
     square = math.isclose(*grid.spacing, rel_tol=1e-6)
     lost = smoothing_of(Cloud(moved), grid.heights, grid.spacing[0], low) if square else ()
     return grid._replace(remarks=(*scan.remarks, remark, *lost)), motion
 
 
-def _as_grid(cloud: Cloud) -> Scan | Cloud:
+def _grid_if_regular(cloud: Cloud) -> Scan | Cloud:
     """Return points as the regular grid on which they lie, if they do."""
     grid = lattice_of(cloud.points)
     if grid is None or grid.heights is None:
@@ -109,12 +109,12 @@ def _as_grid(cloud: Cloud) -> Scan | Cloud:
     return Scan(grid.heights, grid.spacing, grid.origin, remarks + grid.remarks)
 
 
-def _grid_after(scan: Scan, motion: Motion, plane: Plane) -> Scan:
+def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
     """Return the heights of a moved grid at nodes about the middle, without cells outside of it."""
     steps = np.array(scan.spacing[::-1])
     corners = points_of(scan._replace(heights=np.zeros_like(scan.heights)))
     corners[:, 2] = plane.at(corners[:, 0], corners[:, 1])
-    reach = np.abs(motion.forth(corners)[:, :2] - motion.place[:2]).max(axis=0)
+    reach = np.abs(motion.moved(corners)[:, :2] - motion.place[:2]).max(axis=0)
     # an odd or even number of nodes as in the scan, which has a node or the middle of a cell there
     size = np.array(scan.heights.shape[::-1])
     count = size + 2 * np.floor((reach - 0.5 * steps * (size - 1)) / steps).astype(int)
@@ -123,11 +123,11 @@ def _grid_after(scan: Scan, motion: Motion, plane: Plane) -> Scan:
     nodes = np.stack(np.meshgrid(x, y), axis=-1)
     slopes = plane.slope_x, plane.slope_y
     whole = scan._replace(heights=gridding.nearest_filled(scan.heights))
-    heights = heights_after(whole, motion, slopes)(nodes)
+    heights = moved_heights(whole, motion, slopes)(nodes)
     rows, columns = largest_rectangle(np.isfinite(heights))
     kept = heights[rows, columns]
     if np.isnan(scan.heights).any():
-        known = heights_after(scan, motion, slopes)(nodes[rows, columns])
+        known = moved_heights(scan, motion, slopes)(nodes[rows, columns])
         kept = np.where(np.isnan(known), np.nan, kept)
     origin = float(y[rows.start]), float(x[columns.start])
     return Scan(kept - motion.place[2], scan.spacing, origin)
@@ -141,8 +141,8 @@ def levelled_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Clo
     InputError
         If inclined grids have different cells, or a mean plane is steeper than `STEEPEST`.
     """
-    planes = {side: _plane(scan) for side, scan in scans.items()}
-    if not any(_degrees(plane) > LEVEL[type(scans[side])] for side, plane in planes.items()):
+    planes = {side: _mean_plane(scan) for side, scan in scans.items()}
+    if not any(_inclination(plane) > LEVEL[type(scans[side])] for side, plane in planes.items()):
         return dict(scans)
     grids = [scan for scan in scans.values() if isinstance(scan, Scan)]
     if len({(grid.heights.shape, grid.spacing) for grid in grids}) > 1:
@@ -150,15 +150,18 @@ def levelled_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Clo
             "the scans are inclined, and their grids have different cells: a registration finds "
             "the area that both cover (bring_together: true in a study)"
         )
-    pairs = {side: _turned(scan, planes[side]) for side, scan in scans.items()}
+    pairs = {side: _level_scan(scan, planes[side]) for side, scan in scans.items()}
     turned = {side: pair[0] for side, pair in pairs.items()}
-    starts, ends = {}, {}
+    starts = {}
+    ends = {}
     for side, (scan, motion) in pairs.items():
         if not (isinstance(scan, Scan) and isinstance(scans[side], Scan) and scan.origin):
             return turned
         first = (np.array(scan.origin) - motion.place[1::-1]) / scan.spacing
-        starts[side], ends[side] = first, first + np.array(scan.heights.shape)
-    first, last = np.max(list(starts.values()), axis=0), np.min(list(ends.values()), axis=0)
+        starts[side] = first
+        ends[side] = first + np.array(scan.heights.shape)
+    first = np.max(list(starts.values()), axis=0)
+    last = np.min(list(ends.values()), axis=0)
     common: dict[str, Scan | Cloud] = {}
     for side, scan in turned.items():
         assert isinstance(scan, Scan)

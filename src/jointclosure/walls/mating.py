@@ -13,20 +13,28 @@ import scipy
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.roughness import detrended
 
-_WAVES_FOR_ONE = 4.5  # coefficients that count as one: mirror images, window (1.5 an axis)
+_WAVES_FOR_ONE = 4.5
+"""Fourier coefficients that count as one independent wave: each has a mirror image (2), and the
+Hann window correlates neighbours (1.5 along each axis): 2 * 1.5^2."""
 _RESOLUTION = 0.75
-"""In wave numbers of the walls' length: 99 % of intervals of 24 pairs contained the true value."""
+"""Error of a mismatch wavelength by the finite length of walls, in wave numbers of this length;
+chosen: with it 99 % of the intervals of 24 pairs contained the true value."""
 _STEEPNESS = np.geomspace(1.0, 64.0, 25)
+"""Values that are tried of the steepness with which correlation falls over log wavelength."""
 _FLOORS = np.array([3e-4, 1e-3, 4e-3, 1.6e-2, 6e-2, 0.2])
-_TRIED = 600
+"""Values that are tried of the share of a wall's power that never correlates (noise, leakage)."""
+_TRIED = 600  # wavelengths at which the likelihood is computed
 
 
 class Mating(NamedTuple):
-    """Correlation in half octaves [m]; standard error (1 - correlation^2) / sqrt(modes)."""
+    """Correlation of two walls by wavelength, in bands of half an octave.
 
-    wavelengths: np.ndarray
-    correlation: np.ndarray
-    modes: np.ndarray
+    The standard error of a correlation c is (1 - c^2) / sqrt(modes).
+    """
+
+    wavelengths: np.ndarray  # middles of the bands [m]
+    correlation: np.ndarray  # 1 where the walls are mated
+    modes: np.ndarray  # independent waves of each band
 
 
 class Mismatch(NamedTuple):
@@ -42,7 +50,8 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
 
     -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, in a Hann window.
     """
-    one, other = _windowed_waves(upper), _windowed_waves(lower)
+    one = _windowed_waves(upper)
+    other = _windowed_waves(lower)
     wave = _wave_numbers(upper.shape, spacing)
     longest = 0.5 * min(upper.shape) * spacing
     bands = np.floor(2.0 * np.log2(np.maximum(wave, 1e-300) * longest) + 0.5).astype(int)
@@ -83,12 +92,15 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     log(W/w) + q), with steepness s and floor e (noise, leakage of the window) free.
     """
     length = min(upper.shape) * spacing
-    shortest, longest = 2.0 * spacing, 0.5 * length
+    shortest = 2.0 * spacing
+    longest = 0.5 * length
     tried = np.geomspace(0.5 * shortest, 4.0 * longest, _TRIED)
-    fit = _profile(*_rings(upper, lower, spacing), tried)
+    fit = _profile_likelihood(*_ring_powers(upper, lower, spacing), tried)
     best = int(fit.argmax())
     within = tried[fit > fit[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)]
-    wave, most, least = 1.0 / tried[best], 1.0 / within[0], 1.0 / within[-1]
+    wave = 1.0 / tried[best]
+    most = 1.0 / within[0]
+    least = 1.0 / within[-1]
     most = wave + np.hypot(most - wave, _RESOLUTION / length)
     least = wave - np.hypot(wave - least, _RESOLUTION / length)
     limited = [  # to the wavelengths of the grid
@@ -98,10 +110,14 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     return Mismatch(*limited)
 
 
-def _rings(
+def _ring_powers(
     upper: np.ndarray, lower: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return mean wave number [1/m], ratio of powers, and number of waves of rings."""
+    """Return, for each ring of wave numbers, what `measured_mismatch` compares.
+
+    These are the mean wave number [1/m], the power of the sum of both walls over that of their
+    difference, and the number of independent waves; each (rings,).
+    """
     apart, along = (np.abs(_windowed_waves(wall)) ** 2 for wall in (upper + lower, upper - lower))
     wave = _wave_numbers(upper.shape, spacing)
     ring = np.round(wave * min(upper.shape) * spacing).astype(int)
@@ -112,7 +128,9 @@ def _rings(
     return waves / count, above / below, count / _WAVES_FOR_ONE
 
 
-def _profile(waves: np.ndarray, ratio: np.ndarray, n: np.ndarray, tried: np.ndarray) -> np.ndarray:
+def _profile_likelihood(
+    waves: np.ndarray, ratio: np.ndarray, n: np.ndarray, tried: np.ndarray
+) -> np.ndarray:
     """Return the log likelihood of each wavelength tried [m] at the best steepness and floor."""
     octaves = -np.log(tried[:, None] * waves[None, :])
     best = np.full(tried.size, -np.inf)
@@ -129,7 +147,12 @@ def _profile(waves: np.ndarray, ratio: np.ndarray, n: np.ndarray, tried: np.ndar
 def slope_correlations(
     fixed: np.ndarray, shape: tuple[int, int], least_overlap: float
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function of a field (y, x): correlation of slopes by shift, as transforms."""
+    """Return a function that correlates the slopes of a field (y, x) with those of a fixed one.
+
+    It takes a field of the given ``shape`` and returns the correlation (y, x) at each shift, NaN
+    where fewer slopes than ``least_overlap`` of the smaller field meet. All shifts are computed at
+    once by Fourier transforms; slopes along x and y are the parts of complex numbers.
+    """
     size = [scipy.fft.next_fast_len(n - 2, True) for n in np.add(fixed.shape, shape).tolist()]
 
     def waves(field: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -142,7 +165,7 @@ def slope_correlations(
 
     slopes, squares, ones, count = waves(fixed)
 
-    def over_shifts(moved: np.ndarray) -> np.ndarray:
+    def correlation_by_shift(moved: np.ndarray) -> np.ndarray:
         others, other_squares, other_ones, other_count = waves(moved)
         both, power, other_power = (
             scipy.fft.irfft2(one * other.conj(), size)
@@ -154,4 +177,4 @@ def slope_correlations(
             correlation = np.where(allowed, cross / np.sqrt(power * other_power), np.nan)
         return np.where(np.isfinite(correlation), correlation, np.nan)
 
-    return over_shifts
+    return correlation_by_shift

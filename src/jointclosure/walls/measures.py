@@ -12,10 +12,14 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.roughness import RELATIONS, Relation, jrc_of_z2, rms_slope
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 
-TILES = 6  # along the shorter side
+TILES = 6
+"""Tiles along the shorter side, which the bootstrap draws as a whole, as neighbours depend on each
+other."""
 SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
-DRAWS, LARGEST_DRAW = 100, 400  # synthetic walls, and most cells along their sides
-TAIL, _SEED = 50.0 * (1.0 - 0.95), 1  # percentage beyond each limit; seed of random numbers
+DRAWS = 100  # synthetic walls whose scatter gives the intervals of measures of long waves
+LARGEST_DRAW = 400  # most cells along a side of these walls
+TAIL = 50.0 * (1.0 - 0.95)  # percentage beyond each limit of a 95 % interval
+_SEED = 1  # of the random numbers of intervals, which are the same for all walls
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
 
@@ -40,7 +44,8 @@ def measure_of(name: str, values: np.ndarray, unit: str = "1", remark: str = "")
 def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
     """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md."""
     if min(heights.shape) < SMALLEST_WALL:
-        size, must = heights.shape, f"measures need at least {SMALLEST_WALL} along each side"
+        size = heights.shape
+        must = f"measures need at least {SMALLEST_WALL} along each side"
         raise InputError(f"{size[0]} x {size[1]} cells (y, x): {must}")
     if not np.nanstd(heights) > 0.0:
         raise InputError("all heights are equal: the wall has no roughness")
@@ -50,12 +55,13 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
                 f"no three neighbouring cells along {axis} have heights, which measures need; "
                 "choose a coarser grid spacing (--spacing), or export more digits of x and y"
             )
-    means, measures = _resampled_means(heights, spacing, resamples), []
+    means = _resampled_means(heights, spacing, resamples)
+    measures = []
 
     def add(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> None:
         measures.append(measure_of(name, values, unit, remark))
 
-    scatter = _scatter(_scaling(heights, spacing), heights.shape, spacing)
+    scatter = _scattered_measures(_long_wave_measures(heights, spacing), heights.shape, spacing)
     fitted = 1e3 * spacing * lags_of(min(heights.shape))[1:]
     reach = f"over {fitted[0]:g} to {fitted[-1]:g} mm"
     add("rms height", 1e3 * scatter["rms height"], "mm")
@@ -80,7 +86,7 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
 
 
 def lags_of(cells: int) -> np.ndarray:
-    """Distances in cells, about evenly spaced in logarithm, up to a quarter of the wall."""
+    """Return distances [cells] at about equal ratios, from one cell to a quarter of the wall."""
     return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
 
 
@@ -103,12 +109,18 @@ def increments(heights: np.ndarray, spacing: float) -> tuple[np.ndarray, dict[st
 
 
 def hurst_of(heights: np.ndarray) -> float:
-    """Hurst exponent of a wall (y, x) by second differences; first ones give 0.1 and more less."""
-    return _scaling(heights, 1.0)[_EXPONENTS[2]]
+    """Return the Hurst exponent of a wall (y, x) by second differences of its heights.
+
+    First differences give values that are lower by 0.1 and more.
+    """
+    return _long_wave_measures(heights, 1.0)[_EXPONENTS[2]]
 
 
-def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
-    """Return measures that depend on the longest waves: rms height [m], slopes, Hurst exponents."""
+def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
+    """Return measures that scatter with the longest waves of a wall (y, x), of which it has few.
+
+    They are the rms height [m], RMS slopes Z2, and Hurst exponents.
+    """
     distances, rms = increments(heights, spacing)
     both = np.hypot(rms["x"][0], rms["y"][0]) / np.sqrt(2.0)
     slopes = np.array([rms["x"][0], rms["y"][0], both]) / spacing
@@ -118,7 +130,8 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
         if 0 < lag <= lags_of(min(heights.shape))[-1]:
             squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
             scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
-    along_x, along_y = rms["second_x"] ** 2, rms["second_y"] ** 2
+    along_x = rms["second_x"] ** 2
+    along_y = rms["second_y"] ** 2
     for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
         scaling[name] = hurst_by(distances, values)
     first = rms["x"] ** 2 + rms["y"] ** 2
@@ -126,22 +139,29 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
 
 
 def hurst_by(distances: np.ndarray, squares: np.ndarray) -> float:
-    """Fit H: half the slope of log mean squares over log distances but the first."""
+    """Return the Hurst exponent: half the slope of log mean squares over log distances (n,).
+
+    The shortest distance is left out.
+    """
     logs = np.log(distances[1:]) - np.mean(np.log(distances[1:]))
     return float(0.5 * np.tensordot(logs, np.log(squares[1:]), axes=1) / np.sum(logs**2))
 
 
-def _scatter(
+def _scattered_measures(
     scaling: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
-    """Return `_scaling` of a wall, first, and its scatter over synthetic walls: (1 + DRAWS,)."""
+    """Return each of the measures of a wall, first, and as it scatters over synthetic walls.
+
+    Each value is (1 + DRAWS,). The synthetic walls have the Hurst exponent and slope of the wall.
+    """
     spectrum = Spectrum(min(max(scaling[_EXPONENTS[2]], 0.05), 1.0))
-    size, slope = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW)), scaling[_SLOPES[2]]
+    size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
+    slope = scaling[_SLOPES[2]]
     draws = []
     for number in range(DRAWS):
         random = generator(seed_of(_SEED, "scatter", number))
         wall = synthetic_wall(slope, size, spacing, spectrum, random, "expectation")
-        draws.append(_scaling(wall, spacing))
+        draws.append(_long_wave_measures(wall, spacing))
     scatter = {}
     for name, value in scaling.items():
         drawn = np.array([draw[name] for draw in draws])
@@ -150,14 +170,17 @@ def _scatter(
 
 
 def scattered(name: str, value: float, drawn: np.ndarray) -> np.ndarray:
-    """Return values (n,) that scatter about one as drawn ones: by sums for H, else by factors."""
+    """Return values (n,) that scatter about one as drawn ones do about their mean.
+
+    Differences from the mean are taken over for H, ratios to it for other measures.
+    """
     if name.startswith("H"):
         return value + drawn - drawn.mean()
     return value * drawn / drawn.mean()
 
 
-def _fields(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarray]]:
-    """Generate (name, values at cells (y, x), NaN where undefined)."""
+def _local_quantities(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarray]]:
+    """Generate quantities of single cells: name, and values (y, x), NaN where undefined."""
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
         yield f"curvature {axis}", (difference(heights, axis, 1, 2) / spacing**2) ** 2
@@ -191,11 +214,12 @@ def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dic
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
-    random, share = generator(seed_of(_SEED, "tiles")), np.full(tiles, 1.0 / tiles)
+    random = generator(seed_of(_SEED, "tiles"))
+    share = np.full(tiles, 1.0 / tiles)
     drawn = random.multinomial(tiles, share, resamples)
     weights = np.vstack([np.ones(tiles), drawn])
     means = {}
-    for name, values in _fields(heights, spacing):
+    for name, values in _local_quantities(heights, spacing):
         y, x = np.indices(values.shape) // side
         tile = (y * columns + x).ravel()
         known = np.isfinite(values).ravel()

@@ -22,7 +22,7 @@ def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
     """Return which points (n, 3) are in a small one of their `patches` (n,), or far in height."""
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
-    stray = _apart(patch)
+    stray = _in_small_patches(patch)
     known = np.isfinite(points[:, 2]) & ~stray
     if known.sum() >= NEIGHBOURS:
         low, middle, high = np.percentile(points[known, 2], (1.0, 50.0, 99.0))
@@ -42,7 +42,7 @@ def patches(places: np.ndarray) -> np.ndarray:
     return _components(pairs, len(cells))[of_point]
 
 
-def _apart(patch: np.ndarray) -> np.ndarray:
+def _in_small_patches(patch: np.ndarray) -> np.ndarray:
     """Return which points are in patches, by number (n,), of less than 1 %, but the largest."""
     members = np.bincount(patch)
     small = members < 0.01 * len(patch)
@@ -67,7 +67,8 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def spikes(points: np.ndarray) -> np.ndarray:
     """Return heights [m] of points (n, 3) beyond all neighbours but one, else NaN: (n,)."""
-    found, left = np.full(len(points), np.nan), np.arange(len(points))
+    found = np.full(len(points), np.nan)
+    left = np.arange(len(points))
     for _ in range(ROUNDS):
         if len(left) <= NEIGHBOURS:
             break
@@ -77,7 +78,8 @@ def spikes(points: np.ndarray) -> np.ndarray:
         near = scipy.spatial.cKDTree(places).query(places, k=NEIGHBOURS + 1)[1][:, 1:]
         around = np.sort(level[near], axis=1)
         usual = np.median(np.abs(level[near] - level[:, None]))
-        up, down = level - around[:, -2], around[:, 1] - level
+        up = level - around[:, -2]
+        down = around[:, 1] - level
         heights = np.where(up >= down, up, -down)
         sharp = np.abs(heights) > 8.0 * usual  # self-affine walls reach 2
         if not sharp.any():
@@ -96,7 +98,7 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
         return scan, ""
     highest = np.nanargmax(np.abs(heights))
     x, y = 1e3 * points[highest, :2]
-    return _without(scan, cut), (
+    return _remove_points(scan, cut), (
         f"{int(cut.sum())} of {len(points)} points are spikes: they stand out from all but one of "
         f"their eight neighbours by {1e3 * np.nanmin(np.abs(heights)):.3g} mm or more, the "
         f"highest by {1e3 * heights[highest]:.3g} mm at (x, y) = ({x:.4g}, {y:.4g}) mm"
@@ -105,7 +107,8 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
 
 def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
     """Remove plateaus and planes that no rough wall has, with a remark; not of a flat scan."""
-    points, pairs = points_of(scan), neighbours(scan)
+    points = points_of(scan)
+    pairs = neighbours(scan)
     size = _plateau_sizes(points[:, 2], pairs)
     touching = (points[:, 2] == 0.0) & zeros_are_contacts(points[:, 2], pairs)
     size[touching] = 0
@@ -125,7 +128,8 @@ def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
     if cut.mean() > 0.5:  # a flat or stepped wall
         done = "; they were used as heights"
     else:
-        scan, done = _without(scan, cut), ", as no rough wall has; they were treated as missing"
+        scan = _remove_points(scan, cut)
+        done = ", as no rough wall has; they were treated as missing"
     return scan._replace(remarks=(*scan.remarks, caution(message + done)))
 
 
@@ -173,7 +177,8 @@ def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
 def _plane_sizes(heights: np.ndarray) -> np.ndarray:
     """Return the size of the patch of a plane of each cell (y, x) of a grid, 0 outside."""
     around = np.pad(heights, 1, constant_values=np.nan)
-    along_y, along_x = np.diff(around[:, 1:-1], 2, axis=0), np.diff(around[1:-1], 2, axis=1)
+    along_y = np.diff(around[:, 1:-1], 2, axis=0)
+    along_x = np.diff(around[1:-1], 2, axis=1)
     bend = np.maximum(np.abs(along_y), np.abs(along_x))
     usual = np.nanmedian(bend) if np.isfinite(bend).any() else 0.0
     level = bend <= 1e-3 * usual  # as on a plane
@@ -187,7 +192,7 @@ def _plane_sizes(heights: np.ndarray) -> np.ndarray:
     return np.where(whole, np.bincount(whole.ravel())[whole], 0)
 
 
-def _without(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
+def _remove_points(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
     """Remove points of a scan, bool in the order of `points_of`; cells become missing."""
     if isinstance(scan, Cloud):
         return scan._replace(points=scan.points[~cut])

@@ -39,21 +39,28 @@ def overlap_of(
     largest_filled_share: float,
     upper_at: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Overlap:
-    """Find the largest rectangle where both clouds (n, 3) [m] are known, on the lower's nodes."""
+    """Find the largest rectangle of nodes at which both walls are known.
+
+    ``clouds`` are the points (n, 3) [m] of both walls, with mean ``distances`` [m] of points. Nodes
+    lie at multiples of the spacing [m] from the corner of the lower wall. ``upper_at`` returns
+    heights of the upper wall at nodes, if it is not to be interpolated between its points.
+    """
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
-    low, high = np.maximum(corners[0][0], corners[1][0]), np.minimum(corners[0][1], corners[1][1])
+    low = np.maximum(corners[0][0], corners[1][0])
+    high = np.minimum(corners[0][1], corners[1][1])
     low = corners[1][0] + spacing * np.ceil((low - corners[1][0]) / spacing - 1e-6)
     shape = gridding.node_counts(low, high, spacing)
     _check_size(shape, spacing)
     nodes = gridding.grid_nodes(low, shape, spacing)
-    plane = 0.5 * (_plane(clouds[0], low, high) + _plane(clouds[1], low, high))
+    plane = 0.5 * (_fitted_plane(clouds[0], low, high) + _fitted_plane(clouds[1], low, high))
     inclination = float(np.degrees(np.arctan(np.hypot(plane[0], plane[1]))))
     if inclination > gridding.LARGEST_TILT:
         raise InputError(
             f"the walls' common plane is inclined by {inclination:.1f} degrees: at most "
             f"{gridding.LARGEST_TILT:g}; turn the scans so that it is about horizontal"
         )
-    walls, holes = [], []
+    walls = []
+    holes = []
     common = nodes[..., 0] * plane[0] + nodes[..., 1] * plane[1] + plane[2]
     for cloud, distance, at in zip(clouds, distances, (upper_at, None), strict=True):
         if at is None:
@@ -62,7 +69,7 @@ def overlap_of(
         else:
             wall = at(nodes) - common
         scattered = np.isfinite(cloud[:, 2]).all() and at is None
-        hole = _holes(wall, gridding.REACH * distance / spacing if scattered else 0.0)
+        hole = _hole_cells(wall, gridding.REACH * distance / spacing if scattered else 0.0)
         walls.append(np.where(hole, np.nan, gridding.without_dropouts(wall, hole)))
         holes.append(hole)
     inside = np.logical_or(*holes)
@@ -73,7 +80,7 @@ def overlap_of(
     cut = int(inside.sum() - inside[rectangle].sum())
     _check_size(inside[rectangle].shape, spacing, f"; {cut} cells lie in holes" if cut else "")
     kept = np.array(holes)[:, *rectangle]
-    walls = _without_contact(walls[0][rectangle], walls[1][rectangle], kept)
+    walls = _fill_holes(walls[0][rectangle], walls[1][rectangle], kept)
     shares = [float(min(walls[0].size * spacing**2 / np.prod(b - a), 1.0)) for a, b in corners]
     planes = [wall - detrended(wall) for wall in walls]
     slopes = [np.array([plane[1, 0], plane[0, 1]]) - plane[0, 0] for plane in planes]
@@ -84,7 +91,8 @@ def overlap_of(
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
     """Return slices (y, x) of the largest rectangle of true cells in a mask (y, x)."""
-    best, place = 0, (slice(0, 0), slice(0, 0))
+    best = 0
+    place = (slice(0, 0), slice(0, 0))
     heights = np.zeros(full.shape[1], int)
     for row, line in enumerate(full):
         heights = np.where(line, heights + 1, 0)
@@ -108,7 +116,7 @@ def _check_size(shape: tuple[int, ...], spacing: float, more: str = "") -> None:
         raise InputError(f"the walls overlap in {cells}: {must}{more}")
 
 
-def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def _fitted_plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Fit slopes along x and y, and height at the origin, of the points in a window."""
     inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
     inside &= np.isfinite(points[:, 2])
@@ -118,8 +126,12 @@ def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     return np.array([plane.slope_x, plane.slope_y, float(plane.at(np.zeros(()), np.zeros(())))])
 
 
-def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
-    """Return the cells (y, x) in holes of a wall; of scattered points also those within a reach."""
+def _hole_cells(wall: np.ndarray, reach: float) -> np.ndarray:
+    """Return the cells (y, x) in holes of a wall (y, x).
+
+    Of scattered points, whose ``reach`` [cells] is above 0, those within this reach of a hole count
+    as well, as heights beside it are interpolated across.
+    """
     known = np.isfinite(wall)
     holes = gridding.holes(known)
     if reach > 0.0:
@@ -129,11 +141,15 @@ def _holes(wall: np.ndarray, reach: float) -> np.ndarray:
     return holes
 
 
-def _without_contact(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) -> list[np.ndarray]:
-    """Fill holes (wall, y, x), z upwards, by the other wall and the largest gap around them."""
+def _fill_holes(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) -> list[np.ndarray]:
+    """Fill holes (wall, y, x) of walls z upwards so that they have no contact.
+
+    A hole gets the height of the other wall at the largest distance of the walls around it.
+    """
     if not holes.any():
         return [upper, lower]
-    upper, lower = np.where(holes[0], np.nan, upper), np.where(holes[1], np.nan, lower)
+    upper = np.where(holes[0], np.nan, upper)
+    lower = np.where(holes[1], np.nan, lower)
     gap = np.where(holes.any(axis=0), -np.inf, upper - lower)
     while np.isinf(gap).any():
         gap = np.where(np.isinf(gap), scipy.ndimage.maximum_filter(gap, 3), gap)

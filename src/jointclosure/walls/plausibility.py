@@ -66,20 +66,21 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
 def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str], list[str]]:
     """Describe walls with heights in another unit: contradictions, and walls unlike rock."""
     slopes = _slopes_of_rough(walls, spacing)
-    contradictions, doubts = [], []
+    contradictions = []
+    doubts = []
     if len(slopes) == 2:
         (other, other_slope), (one, slope) = sorted(slopes.items(), key=lambda item: item[1])
         ratio = slope / other_slope
         if ratio > 4.0:  # JRC 2 and 20 have 3.8
             contradictions.append(
                 f"the {one} wall is {ratio:.3g} times as steep as the {other} one (rms slopes "
-                f"{slope:.3g} and {other_slope:.3g}): {_suspected(0.5 * ratio, 2.0 * ratio)}"
+                f"{slope:.3g} and {other_slope:.3g}): {_unit_question(0.5 * ratio, 2.0 * ratio)}"
             )
         # 300 clean pairs (24 to 64 cells, JRC 2 to 20, mated beyond 0.5 to 10 mm) had up to 1.14
-        elif (gain := _gain(walls[one], walls[other])) > 1.5:
+        elif (gain := _height_ratio(walls[one], walls[other])) > 1.5:
             contradictions.append(
                 f"heights of one wall are {gain:.3g} times those of the other one, with which they "
-                f"are mated: {_suspected(0.8 * gain, 1.25 * gain)}"
+                f"are mated: {_unit_question(0.8 * gain, 1.25 * gain)}"
             )
     low, high = np.array(_ROCK) * (spacing / PAPER_SPACING) ** (_USUAL_HURST - 1.0)
     for name, slope in slopes.items():
@@ -87,12 +88,12 @@ def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str]
             factors = sorted((low / slope, high / slope, slope / low, slope / high))[2:]
             doubts.append(
                 f"the {name} wall has an rms slope of {slope:.3g}, rock joints have {low:.2g} to "
-                f"{high:.2g} at this spacing: {_suspected(*factors)}"
+                f"{high:.2g} at this spacing: {_unit_question(*factors)}"
             )
     return contradictions, doubts
 
 
-def _gain(one: np.ndarray, other: np.ndarray) -> float:
+def _height_ratio(one: np.ndarray, other: np.ndarray) -> float:
     """Return the ratio (1 or more) of the heights of two mated walls, 1 if they are not mated."""
     known = np.isfinite(one + other)
     y, x = np.nonzero(known)
@@ -101,7 +102,7 @@ def _gain(one: np.ndarray, other: np.ndarray) -> float:
     return max(ratio, 1.0 / ratio)
 
 
-def _suspected(low: float, high: float) -> str:
+def _unit_question(low: float, high: float) -> str:
     """Name the confused units with a factor from ``low`` to ``high``, and the remedy."""
     nearest = min(_CONFUSED, key=lambda factor: abs(np.log(factor**2 / (low * high))))
     near = [factor for factor in _CONFUSED if low <= factor <= high] or [nearest]
@@ -132,7 +133,7 @@ def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
     doubts = slope_doubts({"upper": upper, "lower": lower}, spacing)
     if not (_is_rough(upper) and _is_rough(lower)):
         return doubts
-    as_given = _likeness(upper, lower)
+    as_given = _slope_correlation(upper, lower)
     if as_given > _ALIKE:
         doubts.append(
             f"the walls are alike (correlation {as_given:.2f}), but one wall of a joint is the "
@@ -140,7 +141,7 @@ def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
             "an upper wall scanned in the frame of the lower one are -z"
         )
     for axis, reversed_ in (("y", upper[::-1]), ("x", upper[:, ::-1])):
-        fit = _likeness(reversed_, lower)
+        fit = _slope_correlation(reversed_, lower)
         if fit < -_ALIKE and as_given > -0.5 * _ALIKE:
             doubts.append(
                 f"the walls fit if the upper one is reversed along {axis} (correlation "
@@ -149,7 +150,7 @@ def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
     return doubts
 
 
-def _likeness(one: np.ndarray, other: np.ndarray) -> float:
+def _slope_correlation(one: np.ndarray, other: np.ndarray) -> float:
     """Return the correlation of the slopes of two walls, 0 if one has no slopes."""
     slopes = np.array([np.concatenate([s.ravel() for s in _slopes(w)]) for w in (one, other)])
     a, b = slopes[:, np.isfinite(slopes).all(axis=0)]
@@ -176,7 +177,8 @@ def smoothing_of(
         low = np.array(at)[::-1]
     if high is None:
         high = low + spacing * (np.array(wall.shape)[::-1] - 1)
-    place, edge = points[:, :2], 0.5 * spacing
+    place = points[:, :2]
+    edge = 0.5 * spacing
     inside = ((place > low - edge) & (place < high + edge)).all(axis=1) & np.isfinite(points[:, 2])
     x, y, heights = points[inside].T
     if len(x) < 4 or min(wall.shape) < 2:

@@ -35,9 +35,11 @@ FEWEST_POINTS = 24  # lags up to a quarter of the profile have four heights to t
 LEVEL = 5.0  # inclination [degrees] up to which the mean line is subtracted
 EVEN = 0.1  # largest difference of a step from the mean one, over it, of even points
 LONGEST_GAP = 3.0  # distance between two points, over the median, beyond which heights are missing
-_PLACES, _HEIGHTS = ("x", "distance", "length", "position"), ("z", "y")
-"""Names of the columns of places and of heights, the more likely ones first."""
-_SEED = 1
+_PLACES = ("x", "distance", "length", "position")
+"""Names of the column of places, the more likely ones first."""
+_HEIGHTS = ("z", "y")
+"""Names of the column of heights, the more likely one first."""
+_SEED = 1  # of the random profiles, which are the same for all measured ones
 
 
 class Profile(NamedTuple):
@@ -79,7 +81,8 @@ def read_profile(
         table = read_table(Path(path), [{x, z} for x in _PLACES for z in _HEIGHTS])
         columns = _columns(table.names, table.values.shape[1], variable)
         of_places, of_heights = (unit_of_column(table, column) for column in columns)
-        header, known = table.header, table.values[:, columns]
+        header = table.header
+        known = table.values[:, columns]
         places = size_of(settled("distances", of_places or header.length_units, units))
         heights = size_of(settled("heights", of_heights or header.height_units, units))
         missing = missing_values(known[:, 1])[0] | ~np.isfinite(known).all(axis=1)
@@ -89,7 +92,9 @@ def read_profile(
         along, across = (known[~missing] * [places, heights]).T
         steps = np.diff(along)
         if (steps < 0.0).all():
-            along, across, steps = along[::-1], across[::-1], -steps[::-1]
+            along = along[::-1]
+            across = across[::-1]
+            steps = -steps[::-1]
         if not (steps > 0.0).all():
             row = int(np.flatnonzero(steps <= 0.0)[0]) + 2
             raise InputError(
@@ -147,15 +152,19 @@ def levelled_profile(profile: Profile) -> tuple[np.ndarray, float, float]:
     """
     if profile.places.size < FEWEST_POINTS:
         raise InputError(f"{profile.places.size} points: must be at least {FEWEST_POINTS}")
-    x, z = profile.places - profile.places.mean(), profile.heights - profile.heights.mean()
+    x = profile.places - profile.places.mean()
+    z = profile.heights - profile.heights.mean()
     slope = float(np.sum(x * z) / np.sum(x * x))
     angle = np.arctan(slope)
     inclination = float(np.degrees(angle))
     if abs(inclination) <= LEVEL:
-        along, across = x, z - slope * x
+        along = x
+        across = z - slope * x
     else:
-        cosine, sine = np.cos(angle), np.sin(angle)
-        along, across = x * cosine + z * sine, z * cosine - x * sine
+        cosine = np.cos(angle)
+        sine = np.sin(angle)
+        along = x * cosine + z * sine
+        across = z * cosine - x * sine
     steps = np.diff(along)
     if not (steps > 0.0).all():
         raise InputError(
@@ -202,10 +211,10 @@ def measure_profile(heights: np.ndarray, spacing: float) -> list[Measure]:
         raise InputError("all heights are equal: the profile has no roughness")
     if not np.isfinite(np.diff(heights, 2)).any():
         raise InputError("no three neighbouring places have heights, which measures need")
-    here = _scaling(heights, spacing)
-    drawn = [_drawn(heights.size, spacing, here["H"])]
+    here = _profile_measures(heights, spacing)
+    drawn = [_random_measures(heights.size, spacing, here["H"])]
     exponents = here["H"] + np.quantile(drawn[0]["H"] - drawn[0]["H"].mean(), [0.1, 0.9])
-    drawn += [_drawn(heights.size, spacing, exponent) for exponent in exponents.tolist()]
+    drawn += [_random_measures(heights.size, spacing, exponent) for exponent in exponents.tolist()]
     scatter = {
         name: np.concatenate([[value], *(scattered(name, value, each[name]) for each in drawn)])
         for name, value in here.items()
@@ -228,7 +237,7 @@ def measure_profile(heights: np.ndarray, spacing: float) -> list[Measure]:
     return [*measures, measure_of("JRC, stigsson_mas_ivars", jrc, remark=f"{how}, and H")]
 
 
-def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
+def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
     """Return rms height [m], slopes, the Hurst exponent by second differences, and Rp."""
 
     def rms(lag: int, order: int = 1) -> float:
@@ -247,13 +256,13 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     return scaling
 
 
-def _drawn(count: int, spacing: float, hurst: float) -> dict[str, np.ndarray]:
-    """Return `_scaling` of self-affine profiles of a Hurst exponent, each value (DRAWS,)."""
-    rows = [_scaling(profile, spacing) for profile in _alike(count, hurst)]
+def _random_measures(count: int, spacing: float, hurst: float) -> dict[str, np.ndarray]:
+    """Return the measures of self-affine profiles of a Hurst exponent, each value (DRAWS,)."""
+    rows = [_profile_measures(profile, spacing) for profile in _random_profiles(count, hurst)]
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def _alike(count: int, hurst: float) -> list[np.ndarray]:
+def _random_profiles(count: int, hurst: float) -> list[np.ndarray]:
     """Return self-affine profiles (count,) of a Hurst exponent: parts of twice as long ones."""
     frequencies = np.fft.rfftfreq(2 * count)
     amplitudes = np.zeros(frequencies.size)

@@ -20,12 +20,12 @@ from jointclosure.walls.motion import (
     Fit,
     Motion,
     Surface,
-    compared,
-    fitted,
-    heights_after,
-    on_nodes,
+    compare_rotations,
+    flip_about_middle,
+    laid_on_nodes,
+    moved_heights,
+    refined_motion,
     surface_of,
-    unmoved,
 )
 from jointclosure.walls.outliers import without_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
@@ -40,15 +40,24 @@ from jointclosure.walls.scan_quality import (
     shortest_wave,
 )
 
-ON_NODES = 0.02  # [cells] within which nodes are laid on nodes; twice the error up to 0.5 if more
+# All constants were chosen; the pairs of known truth of docs/two_scans.md were registered by them.
+ON_NODES = 0.02
+"""Largest distance [cells] by which the upper wall is displaced so that its nodes lie on those of
+the lower one and no heights are interpolated; twice the error of the fit, up to 0.5, if more."""
 LARGEST_HOLES = 0.15  # share of cells in holes of either scan, taken out of contact by default
 MOST_CELLS = 500  # along a side of walls that are registered at the spacing of the scans
-IN_PLACE = 0.02  # largest shift of corners of scans in one frame, over half of the longer side
-STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0  # unusual inclinations of common plane and wedge [degrees]
+IN_PLACE = 0.02
+"""Largest shift of the corners by the best fit, over half of the longer side, with which the scans
+count as being in one frame."""
+STEEP_PLANE = 5.0  # inclination of the plane common to both walls from which users are warned [deg]
+STEEP_WEDGE = 1.0  # inclination of the walls to each other from which users are warned [degrees]
 LEAST_CELLS = 16  # along the shorter side of walls on a grid that the scan resolves
-_FAR = 1.5  # largest usual closure until a thousandth touches, in deviations of the aperture
+_FAR = 1.5
+"""Closure until one cell in a thousand touches, in standard deviations of the aperture, from which
+the first contact may be a spike."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
-SHIFTS, SPIKES = ("scanned", "mated"), ("keep", "cut")
+SHIFTS = ("scanned", "mated")
+SPIKES = ("keep", "cut")
 _SIDES = ("upper", "lower")
 
 
@@ -106,9 +115,10 @@ class RegisteredPair(NamedTuple):
     def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
         """Return the least and largest noise [m] of the sum of walls (y, x) [m] on the grid.
 
-        It has all that departs at the shortest waves, of which waves too short for the grid are a
-        part that turning a wall replaces by others. Where the spectra tell none, it is that of the
-        scanners.
+        It comes from the spectra (`noise_of`): all by which the walls depart from each other at the
+        shortest waves of the grid. Part of that may be roughness that is too short for the grid,
+        which interpolation of a turned wall replaces by other roughness. Where the noise of all
+        scans was measured, it is at least that, and that where the spectra show none.
         """
         low, high = noise_of(*walls)
         intervals = np.array([ends for _, *ends in self.scan_noise]).reshape(-1, 2)
@@ -119,16 +129,19 @@ class RegisteredPair(NamedTuple):
 
     @property
     def errors(self) -> ScanErrors:
-        """Errors of the fit, 0 if the walls stayed as scanned, and those of the scans' heights."""
+        """Standard errors of the position, 0 if the walls stayed as scanned, and of the heights."""
         fine = self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
-        walls, spacing = (fine.upper, fine.lower), self.spacing / fine.step
-        covariance, offset = np.zeros((3, 3)), np.zeros(3)
+        walls = (fine.upper, fine.lower)
+        spacing = self.spacing / fine.step
+        covariance = np.zeros((3, 3))
+        offset = np.zeros(3)
         if self.mated is not None and np.isfinite(self.motion.covariance).all():
             scale = np.array([1.0, spacing, spacing])
-            offset = self.motion.until(self.mated) / scale * self.motion.covariance.any()
+            offset = self.motion.difference_to(self.mated) / scale * self.motion.covariance.any()
             covariance = self.motion.covariance / np.outer(scale, scale)
         middle = (self.motion.place[:2] - self.first) / spacing
-        noise, waves = self._noise_of_sum(walls), [wave / spacing for wave in self.waves]
+        noise = self._noise_of_sum(walls)
+        waves = [wave / spacing for wave in self.waves]
         steps = np.concatenate([np.diff(sum(walls), axis=axis).ravel() for axis in (0, 1)])
         if self.rounding**2 > MOVED * float(np.mean(steps**2)):
             noise = max(noise[0], self.rounding), max(noise[1], self.rounding)
@@ -191,126 +204,258 @@ def registered(
         check_one_of("shift", shift, SHIFTS)
     check_one_of("spikes", spikes, SPIKES)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
-    raw = _rough_scans(upper, lower, orientation)
-    given = dict(raw)
-    report: list[str] = []
-    spiky: list[str] = []
-    for side, scan in given.items():
-        if not unusual_values:
-            given[side] = scan = inspected(scan)
-        if spikes == "cut":
-            given[side], removed = without_spikes(scan)
-            spiky += [f"{side} wall: {removed}; they were cut"] if removed else []
-    measured, turned = dict(given), None  # levelling interpolates the heights of grids
-    frame = "lower" if flat != "lower" else "upper"
-    if flat != "lower" or orientation == "towards":  # heights of an aperture map are no places
-        given[frame], turned = levelled(given[frame])
-    level_scans = dict(given)
-    if flat is None and isinstance(given["upper"], Cloud):
-        level_scans["upper"], _ = levelled(given["upper"])
-    scans = list(_both_scans(given, orientation))
-    # points that were cut do not make the others lie farther apart
-    whole = {side: raw[side] for side, scan in given.items() if isinstance(scan, Cloud)}
-    if turned is not None:
-        whole[frame] = given[frame]
-    distance = max(map(point_distance, (given | whole).values()))
-    stated = distance if spacing is None else float(spacing)
+    rough = _rough_scans(upper, lower, orientation)
+    prepared = _prepared_scans(rough, orientation, spikes == "cut", not unusual_values)
+    usual_spacing = spacing is None
+    stated = prepared.distance if spacing is None else float(spacing)
     if not unusual_values:
-        plausibility.check_scans(scans[0], scans[1], stated)
-    default = spacing is None
-    spacing = gridding.paper_spacing(distance) if spacing is None else stated
-    for side, scan in given.items():
-        report += [*_named(side, scan.remarks), *(line for line in spiky if line.startswith(side))]
-    upper_wave, lower_wave = (
-        shortest_wave(measured[side], level_scans[side]) if side in measured else 0.0
-        for side in _SIDES
-    )
-    waves = upper_wave, lower_wave
-    noises = tuple((side, *noise_of_scan(scan)) for side, scan in measured.items())
-    steps = [rounding_of(scan).heights for scan in measured.values()]
-    rounding = float(np.sqrt(np.sum(np.square(steps)) / 12.0))
-    (fine, finest), scans = scans, _not_finer(scans, spacing, report)
-    clouds = [points_of(scan, missing=True) for scan in scans]
-    name, mated = orientation or "common_frame", None
-    fits: list[Fit] = []
+        plausibility.check_scans(*prepared.both, stated)
+    spacing = gridding.paper_spacing(prepared.distance) if spacing is None else stated
+    report = list(prepared.remarks)
+    waves = _shortest_waves(prepared)
+    sampled = _sampled_if_finer(prepared.both, spacing, report)
+    clouds = [points_of(scan, missing=True) for scan in sampled]
     if flat:
         report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
+        fit = _BestFit(orientation or "common_frame", [], None)
     else:
-        # finer than the joint where that is not too much, as short waves mate least
-        longest = max(np.ptp(points[:, :2], axis=0).max() for points in clouds)
-        cell = distance if longest < MOST_CELLS * distance else spacing
-        used = (fine, finest) if cell == distance else scans
-        level, first = levelled(used[0], gridding.LARGEST_TILT)
-        surfaces = [surface_of(points_of(scan, missing=True), cell) for scan in (level, used[1])]
-        name, fits, mated = _fitted(surfaces, orientation, shift, unusual_values, report)
-        mated = mated.after(first) if mated is not None and first is not None else mated
-    motion = unmoved(clouds[0], _FLIPS[name])
-    if turned is not None and flat is None:
-        motion = turned.after(motion)
-    reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)
-    in_place = mated is None or mated.apart(motion, reach) < IN_PLACE * reach.max()
-    if not flat and (shift == "scanned" or mated is None):
-        report.append("the walls were left in their scanned position")
-        if mated is not None and np.isfinite(mated.covariance).all():
-            _check_unturned(mated, reach, spacing, unusual_values, report)
-    elif mated is not None:
-        report.append(f"the upper wall was {mated}, to the position of best fit")
-        motion = mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
-        if isinstance(fine, Scan):
-            most = min(max(ON_NODES * spacing, 2.0 * mated.error(reach)), 0.5 * spacing)
-            motion = on_nodes(motion, fine, clouds[1][:, :2].min(axis=0), most)
-    clouds[0] = _moved(points_of(fine, missing=True), motion)
-    distances = [point_distance(scan) for scan in (fine, scans[1])]
-    upper_at = None
-    if isinstance(fine, Scan):
-        slopes = slopes_of(fine) if motion.tilt > gridding.LARGEST_TILT else (0.0, 0.0)
-        upper_at = heights_after(fine, motion, slopes)
-    overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
-    if flat:
-        overlap = _flattened(overlap, flat)
-    for side, cloud, hole in zip(_SIDES, clouds, overlap.holes, strict=True):
-        if side != flat:
-            known = np.where(hole, np.nan, getattr(overlap, side))
-            lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, *overlap.box)
-            report += _named(side, lost)
-            report += _named(
-                side, resolution_remarks(measured[side], known, spacing, level_scans[side])
-            )
-    step = int(np.ceil(max(waves) / (2.0 * spacing) - 1e-6)) if default else 1
-    step = max(min(step, min(overlap.upper.shape) // LEAST_CELLS), 1)
-    walls_at = (detrended(-overlap.upper), detrended(overlap.lower))
-    finer = FineWalls(*walls_at, np.logical_or(*overlap.holes), step) if step > 1 else None
-    if finer:
-        report.append(_coarser(spacing, step))
-        thin = np.s_[::step, ::step]
-        overlap = overlap._replace(
-            upper=overlap.upper[thin], lower=overlap.lower[thin], holes=overlap.holes[:, *thin]
+        fit = _best_fit(prepared, sampled, spacing, orientation, shift, unusual_values, report)
+    scanned = flip_about_middle(clouds[0], _FLIPS[fit.orientation])
+    if prepared.levelling is not None and flat is None:
+        scanned = prepared.levelling.after(scanned)
+    motion = scanned
+    in_place = True
+    if not flat:
+        motion, in_place = _final_position(
+            fit, scanned, prepared.both[0], clouds, spacing, shift, unusual_values, report
         )
+    overlap = _overlap_after(
+        motion, prepared, sampled[1], spacing, largest_filled_share, flat, report
+    )
+    walls = detrended(-overlap.upper), detrended(overlap.lower)
+    step = _resolved_step(waves, spacing, overlap.upper.shape) if usual_spacing else 1
+    fine = None
+    if step > 1:
+        fine = FineWalls(*walls, np.logical_or(*overlap.holes), step)
+        report.append(_coarser_grid_caution(spacing, step))
+        overlap = _every_node(overlap, step)
         spacing *= step
-    in_frame = name == "common_frame" and not flat and (in_place or shift == "scanned")
-    pair = _described(overlap, spacing, name, fits, motion, mated, in_frame, report)
-    pair = pair._replace(fine=finer, waves=waves, rounding=rounding, scan_noise=noises)
-    if not flat and differs(*(scale := scale_of(*walls_at))):
-        report.append(_scaled(*scale))
-    walls = {"upper": pair.upper, "lower": pair.lower}
-    contradictions, unlike_rock = plausibility.unit_doubts(walls, spacing)
+    in_frame = fit.orientation == "common_frame" and not flat and (in_place or shift == "scanned")
+    pair = _registered_pair(overlap, spacing, fit, motion, in_frame, report)
+    pair = pair._replace(
+        fine=fine, waves=waves, rounding=_rounding_of_sum(prepared),
+        scan_noise=tuple((side, *noise_of_scan(scan)) for side, scan in prepared.measured.items()),
+    )  # fmt: skip
+    if not flat and differs(*(scale := scale_of(*walls))):
+        report.append(_scale_caution(*scale))
+    contradictions, unlike_rock = plausibility.unit_doubts(_by_side(pair), spacing)
     if not unusual_values:
-        impossible = plausibility.slope_doubts(walls, spacing)
-        if impossible or contradictions:
-            problems = contradictions or unlike_rock or impossible
-            raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
-        if mated is not None and shift != "scanned" and not np.isfinite(mated.covariance).all():
-            raise InputError(
-                f"the fit of the walls is ambiguous: slopes correlate by {fits[0]}, but least "
-                "squares of heights find no position there; walls that do not mate need "
-                "shift: scanned"
-            )
+        _check_usual_slopes(pair, contradictions, unlike_rock)
+        if shift != "scanned":
+            _check_found(fit)
         plausibility.check_pair(overlap.upper - overlap.lower, pair.correlation, in_frame)
     report += [caution(doubt) for doubt in contradictions + unlike_rock]
     return pair
 
 
-def _coarser(spacing: float, step: int) -> Caution:
+class _PreparedScans(NamedTuple):
+    """Scans before their registration, without spikes; by their sides those that are not flat."""
+
+    measured: dict[str, Scan | Cloud]  # as scanned
+    level: dict[str, Scan | Cloud]  # turned until their mean planes are level, if steep
+    both: tuple[Scan | Cloud, Scan | Cloud]  # upper and lower wall as they are registered
+    levelling: Motion | None  # by which the scan that states the frame of the walls was turned
+    distance: float  # larger point distance of the scans, with spikes [m]
+    remarks: list[str]
+
+
+class _BestFit(NamedTuple):
+    """Orientation of the upper wall, the best fit of each orientation, and the refined one."""
+
+    orientation: str
+    fits: list[Fit]  # the best first; none if a wall is flat
+    mated: Motion | None  # None if the fit is ambiguous or a wall is flat
+
+
+def _prepared_scans(
+    rough: dict[str, Scan | Cloud], orientation: str | None, cut_spikes: bool, inspect: bool
+) -> _PreparedScans:
+    """Inspect scans for defects, cut their spikes, and level the one that states the frame.
+
+    That is the lower one, or the upper one if the lower wall is flat. Heights of an aperture map
+    ("common_frame" over a flat wall) are distances along z, so it is not turned.
+    """
+    measured = dict(rough)
+    spiky: dict[str, str] = {}
+    for side, scan in rough.items():
+        whole = inspected(scan) if inspect else scan
+        measured[side] = whole
+        if cut_spikes:
+            measured[side], removed = without_spikes(whole)
+            if removed:
+                spiky[side] = f"{side} wall: {removed}; they were cut"
+    # levelling interpolates the heights of grids, so noise and resolution are measured before it
+    turned = dict(measured)
+    levelling = None
+    frame = "lower" if "lower" in rough else "upper"
+    if frame == "lower" or orientation == "towards":
+        turned[frame], levelling = levelled(measured[frame])
+    level = dict(turned)
+    if len(rough) == 2 and isinstance(turned["upper"], Cloud):
+        level["upper"], _ = levelled(turned["upper"])
+    both = _both_scans(turned, orientation)
+    # points that were cut do not make the others lie farther apart
+    whole_scans = {side: rough[side] for side, scan in turned.items() if isinstance(scan, Cloud)}
+    if levelling is not None:
+        whole_scans[frame] = turned[frame]
+    distance = max(map(point_distance, (turned | whole_scans).values()))
+    remarks: list[str] = []
+    for side, scan in turned.items():
+        remarks += _with_side(side, scan.remarks)
+        if side in spiky:
+            remarks.append(spiky[side])
+    return _PreparedScans(measured, level, both, levelling, distance, remarks)
+
+
+def _shortest_waves(prepared: _PreparedScans) -> tuple[float, float]:
+    """Return the shortest waves [m] that the upper and the lower scan resolve; 0: all."""
+    upper, lower = (
+        shortest_wave(prepared.measured[side], prepared.level[side])
+        if side in prepared.measured
+        else 0.0
+        for side in _SIDES
+    )
+    return upper, lower
+
+
+def _rounding_of_sum(prepared: _PreparedScans) -> float:
+    """Return the standard deviation [m] of the rounding of the sum of both walls.
+
+    Heights that are rounded to multiples of a step have an even distribution of errors over the
+    step, whose variance is step^2 / 12; variances of both walls add.
+    """
+    steps = [rounding_of(scan).heights for scan in prepared.measured.values()]
+    return float(np.sqrt(np.sum(np.square(steps)) / 12.0))
+
+
+def _best_fit(
+    prepared: _PreparedScans, sampled: list[Scan | Cloud], spacing: float,
+    orientation: str | None, shift: str | None, unusual: bool, report: list[str],
+) -> _BestFit:  # fmt: skip
+    """Fit the upper wall to the lower one at the distance of the scanned points, if not too many.
+
+    The shortest waves mate least, so a fit on a finer grid than that of the joint is the better
+    one; beyond `MOST_CELLS` along a side it is made on the grid of the joint.
+    """
+    clouds = (points_of(scan, missing=True) for scan in sampled)
+    longest = max(np.ptp(points[:, :2], axis=0).max() for points in clouds)
+    distance = prepared.distance
+    cell = distance if longest < MOST_CELLS * distance else spacing
+    upper, lower = prepared.both if cell == distance else sampled
+    level, levelling = levelled(upper, gridding.LARGEST_TILT)
+    surfaces = [surface_of(points_of(scan, missing=True), cell) for scan in (level, lower)]
+    fit = _oriented_fit(surfaces, orientation, shift, unusual, report)
+    if fit.mated is not None and levelling is not None:
+        return fit._replace(mated=fit.mated.after(levelling))
+    return fit
+
+
+def _final_position(
+    fit: _BestFit, scanned: Motion, upper: Scan | Cloud, clouds: list[np.ndarray],
+    spacing: float, shift: str | None, unusual: bool, report: list[str],
+) -> tuple[Motion, bool]:  # fmt: skip
+    """Return the motion of the upper wall, and whether its best fit is where it was scanned.
+
+    ``clouds`` are the points (n, 3) [m] of both walls as scanned. The upper wall is not lifted by
+    the motion of best fit, as walls are set to first touch later. Its nodes are laid on those of
+    the lower wall where that moves them by less than `ON_NODES` or twice the error of the fit.
+    """
+    reach = 0.5 * np.ptp(clouds[0][:, :2], axis=0)
+    mated = fit.mated
+    in_place = mated is None or mated.corner_distance(scanned, reach) < IN_PLACE * reach.max()
+    if shift == "scanned" or mated is None:
+        report.append("the walls were left in their scanned position")
+        if mated is not None and np.isfinite(mated.covariance).all():
+            _check_unturned(mated, reach, spacing, unusual, report)
+        return scanned, in_place
+    report.append(f"the upper wall was {mated}, to the position of best fit")
+    motion = mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
+    if isinstance(upper, Scan):
+        most = min(max(ON_NODES * spacing, 2.0 * mated.corner_error(reach)), 0.5 * spacing)
+        motion = laid_on_nodes(motion, upper, clouds[1][:, :2].min(axis=0), most)
+    return motion, in_place
+
+
+def _overlap_after(
+    motion: Motion, prepared: _PreparedScans, lower: Scan | Cloud, spacing: float,
+    largest_filled_share: float, flat: str | None, report: list[str],
+) -> Overlap:  # fmt: skip
+    """Return the overlap of both walls after the upper one was moved; report what it lost."""
+    upper = prepared.both[0]
+    clouds = [_moved_points(points_of(upper, missing=True), motion), points_of(lower, missing=True)]
+    upper_at = None
+    if isinstance(upper, Scan):
+        slopes = slopes_of(upper) if motion.tilt > gridding.LARGEST_TILT else (0.0, 0.0)
+        upper_at = moved_heights(upper, motion, slopes)
+    distances = [point_distance(scan) for scan in (upper, lower)]
+    overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
+    if flat:
+        overlap = _with_flat_wall(overlap, flat)
+    for side, cloud, hole in zip(_SIDES, clouds, overlap.holes, strict=True):
+        if side != flat:
+            known = np.where(hole, np.nan, getattr(overlap, side))
+            lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, *overlap.box)
+            report += _with_side(side, lost)
+            measured = prepared.measured[side]
+            level = prepared.level[side]
+            report += _with_side(side, resolution_remarks(measured, known, spacing, level))
+    return overlap
+
+
+def _resolved_step(waves: tuple[float, float], spacing: float, shape: tuple[int, ...]) -> int:
+    """Return the cells of a grid from one node to the next one that both scans resolve.
+
+    A grid resolves waves of two cells or more. At least `LEAST_CELLS` nodes remain along the
+    shorter side of a grid of ``shape`` (y, x).
+    """
+    step = int(np.ceil(max(waves) / (2.0 * spacing) - 1e-6))
+    return max(min(step, min(shape) // LEAST_CELLS), 1)
+
+
+def _every_node(overlap: Overlap, step: int) -> Overlap:
+    """Return an overlap on a grid of which one node in ``step`` is kept along each axis."""
+    thin = np.s_[::step, ::step]
+    return overlap._replace(
+        upper=overlap.upper[thin], lower=overlap.lower[thin], holes=overlap.holes[:, *thin]
+    )
+
+
+def _by_side(pair: RegisteredPair) -> dict[str, np.ndarray]:
+    """Return the heights (y, x) [m] of both walls by the names of their sides."""
+    return {"upper": pair.upper, "lower": pair.lower}
+
+
+def _check_usual_slopes(
+    pair: RegisteredPair, contradictions: list[str], unlike_rock: list[str]
+) -> None:
+    """Refuse walls whose slopes no rough wall has, or whose heights contradict each other."""
+    impossible = plausibility.slope_doubts(_by_side(pair), pair.spacing)
+    if impossible or contradictions:
+        problems = contradictions or unlike_rock or impossible
+        raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
+
+
+def _check_found(fit: _BestFit) -> None:
+    """Refuse a fit of slopes that least squares of heights do not confirm."""
+    if fit.mated is not None and not np.isfinite(fit.mated.covariance).all():
+        raise InputError(
+            f"the fit of the walls is ambiguous: slopes correlate by {fit.fits[0]}, but least "
+            "squares of heights find no position there; walls that do not mate need "
+            "shift: scanned"
+        )
+
+
+def _coarser_grid_caution(spacing: float, step: int) -> Caution:
     """State that a joint has a coarser grid than the usual one of a spacing [m]."""
     return caution(
         f"heights were taken every {1e3 * step * spacing:.4g} mm, which the scans resolve, and not "
@@ -319,7 +464,7 @@ def _coarser(spacing: float, step: int) -> Caution:
     )
 
 
-def _scaled(scale: float, error: float) -> Caution:
+def _scale_caution(scale: float, error: float) -> Caution:
     """Warn of heights of the upper wall that are larger or smaller than those of its mate."""
     return caution(
         f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} times those of the "
@@ -328,7 +473,7 @@ def _scaled(scale: float, error: float) -> Caution:
     )
 
 
-def _named(side: str, remarks: Iterable[str]) -> list[str]:
+def _with_side(side: str, remarks: Iterable[str]) -> list[str]:
     """Put the name of a wall before remarks and keep their type."""
     return [type(remark)(f"{side} wall: {remark}") for remark in remarks]
 
@@ -369,16 +514,19 @@ def _both_scans(
     return rough["upper"], rough["lower"]
 
 
-def _flattened(overlap: Overlap, side: str) -> Overlap:
+def _with_flat_wall(overlap: Overlap, side: str) -> Overlap:
     """Make the flat wall of an overlap flat without rounding; the other one has all holes."""
     of_flat, other = (0, "lower") if side == "upper" else (1, "upper")
-    gap, holes = overlap.upper - overlap.lower, overlap.holes.any(axis=0)
+    gap = overlap.upper - overlap.lower
+    holes = overlap.holes.any(axis=0)
     rough = np.where(holes, (2 * of_flat - 1) * gap, getattr(overlap, other))
     flat = {side: np.zeros(rough.shape), other: rough}
     return overlap._replace(**flat, holes=holes * (np.arange(2)[:, None, None] != of_flat))
 
 
-def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> list[Scan | Cloud]:
+def _sampled_if_finer(
+    scans: tuple[Scan | Cloud, Scan | Cloud], spacing: float, report: list[str]
+) -> list[Scan | Cloud]:
     """Sample scanned grids of at most half of the spacing [m] at the nodes of one grid."""
     origins = [scan.origin for scan in scans if isinstance(scan, Scan) and scan.origin is not None]
     anchor = origins[-1] if origins else (0.0, 0.0)  # that of the lower wall if both have one
@@ -396,32 +544,33 @@ def _not_finer(scans: list[Scan | Cloud], spacing: float, report: list[str]) -> 
             if side == "lower":  # heights of the upper one are taken at the lower's nodes
                 first = np.array(nodes.origin)[::-1]
                 lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
-                report += _named(side, lost)
+                report += _with_side(side, lost)
     return result
 
 
-def _moved(points: np.ndarray, motion: Motion) -> np.ndarray:
+def _moved_points(points: np.ndarray, motion: Motion) -> np.ndarray:
     """Move points (n, 3); missing heights remain, their places are those of the mean height."""
     missing = np.isnan(points[:, 2])
     filled = np.where(missing, np.nanmean(points[:, 2]), points[:, 2])
-    moved = motion.forth(np.column_stack([points[:, :2], filled]))
+    moved = motion.moved(np.column_stack([points[:, :2], filled]))
     moved[missing, 2] = np.nan
     return moved
 
 
-def _fitted(
+def _oriented_fit(
     surfaces: list[Surface], orientation: str | None, shift: str | None, unusual: bool,
     report: list[str],
-) -> tuple[str, list[Fit], Motion | None]:  # fmt: skip
+) -> _BestFit:  # fmt: skip
     """Find orientation and motion of best fit; no motion if the fit is ambiguous and not needed."""
     upper, lower = surfaces
     for blocks in BLOCKS:
-        tried = compared(upper, lower, _FLIPS, blocks)
-        best, second = tried[0], next(fit for fit in tried if fit.far(tried[0]))
+        tried = compare_rotations(upper, lower, _FLIPS, blocks)
+        best = tried[0]
+        second = next(fit for fit in tried if fit.differs_from(tried[0]))
         if clear := best.correlation >= CLEAR * max(second.correlation, 0.0):
             break
-    of_orientation = {fit.orientation: fit for fit in reversed(tried)}  # the best of each
-    fits = [fit for fit in tried if fit is of_orientation[fit.orientation]]
+    best_of = {fit.orientation: fit for fit in reversed(tried)}  # later entries replace worse ones
+    fits = [fit for fit in tried if fit is best_of[fit.orientation]]
     if not clear and orientation is None:
         raise InputError(
             f"the fit of the walls is ambiguous: slopes correlate by {best} and by {second}, "
@@ -429,7 +578,8 @@ def _fitted(
             f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
             "and stay as scanned"
         )
-    used, how = orientation or best.orientation, "found" if orientation is None else "stated"
+    used = orientation or best.orientation
+    how = "found" if orientation is None else "stated"
     report.append(
         f"orientation of the upper wall, {how}: {used} ({ORIENTATIONS[used]}); slopes correlate by "
         f"{', '.join(map(str, fits))}"
@@ -445,8 +595,9 @@ def _fitted(
             raise InputError(f"{better}; {remedy}; {AS_IT_IS}")
         report.append(caution(better))
     if (shift != "mated" and not clear) or (shift == "scanned" and wrong):
-        return used, fits, None
-    return used, fits, fitted(upper, lower, _FLIPS[used], of_orientation[used])
+        return _BestFit(used, fits, None)
+    mated = refined_motion(upper, lower, _FLIPS[used], best_of[used])
+    return _BestFit(used, fits, mated)
 
 
 def _check_unturned(
@@ -454,7 +605,8 @@ def _check_unturned(
 ) -> None:
     """Refuse walls in their scanned position whose local shift grows from the middle."""
     report.append(f"best fit with the upper wall {mated}")
-    error, edge = mated.errors()[0], abs(np.radians(mated.angle)) * float(reach.max())
+    error = mated.standard_errors()[0]
+    edge = abs(np.radians(mated.angle)) * float(reach.max())
     if edge > 0.25 * spacing and abs(mated.angle) > 4.0 * error:
         turned = (
             f"as scanned the walls are turned by {mated.angle:.3f} +- {error:.3f} degrees against "
@@ -466,22 +618,27 @@ def _check_unturned(
         report.append(caution(turned))
 
 
-def _described(
-    overlap: Overlap, spacing: float, name: str, fits: list[Fit], motion: Motion,
-    mated: Motion | None, in_frame: bool, report: list[str],
+def _registered_pair(
+    overlap: Overlap, spacing: float, fit: _BestFit, motion: Motion, in_frame: bool,
+    report: list[str],
 ) -> RegisteredPair:  # fmt: skip
-    """Make the registered pair, seated parallel, and add its description to the report."""
-    upper, lower = detrended(-overlap.upper), detrended(overlap.lower)
+    """Make the registered pair, seated parallel, and add its description to the report.
+
+    ``in_frame``: both scans have one frame, in which the walls lie as they were scanned.
+    """
+    upper = detrended(-overlap.upper)
+    lower = detrended(overlap.lower)
     together = upper + lower
     aperture = together.max() - together
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
     cells = f"{upper.shape[0]} x {upper.shape[1]} cells (y, x) of {1e3 * spacing:.4g} mm"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
-    if fits:
+    if fit.fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
         holes = overlap.holes.any(axis=0)  # filled by the other wall, which they fit
         one, other = (filled(np.where(holes, np.nan, w), "linear", 1.0) for w in (upper, lower))
-        mismatch, fit = measured_mismatch(one, other, spacing), mating(one, other, spacing)
+        mismatch = measured_mismatch(one, other, spacing)
+        correlations = mating(one, other, spacing)
         report += [
             f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
             f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
@@ -490,23 +647,15 @@ def _described(
             f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
         ]
     else:  # one wall is flat and has no waves
-        correlation, mismatch, fit = 0.0, Mismatch(*[np.inf] * 3), Mating(*[np.empty(0)] * 3)
+        correlation = 0.0
+        mismatch = Mismatch(*[np.inf] * 3)
+        correlations = Mating(*[np.empty(0)] * 3)
         report.append(
             f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; "
             "its mean plane was removed"
         )
-    early = float(np.quantile(aperture, 1e-3))
-    touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
-    spike = (
-        "the first contact stands out far and may be a remaining spike; use closures since "
-        "seating, not those from first touch"
-    )
-    report += [
-        f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
-        f"{1e3 * aperture.mean():.3g} mm",
-        caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
-        *map(caution, _doubts(overlap, bool(fits), bool(motion.covariance.any()))),
-    ]
+    report += _first_touch_remarks(aperture, y, x)
+    report += map(caution, _overlap_doubts(overlap, bool(fit.fits), bool(motion.covariance.any())))
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         alike = (
             "the walls fit each other at all wavelengths of the grid, as two scans of one wall "
@@ -514,45 +663,84 @@ def _described(
         )
         report.append(caution(alike))
     if in_frame:
-        gap = float(np.mean(overlap.upper - overlap.lower))
-        where = f"{1e3 * abs(gap):.3g} mm {'above' if gap > 0.0 else 'below'} the lower one"
-        lies = f"as scanned the upper wall lies {where} in the mean"
-        wrong = (
-            "if both scans have one zero of heights, the walls are interchanged or heights count "
-            "downwards"
-        )
-        report.append(lies if gap > 0.0 else caution(wrong, f"{lies}: "))
+        report.append(_frame_remark(overlap))
     return RegisteredPair(
-        upper, lower, spacing, aperture, (y, x), name, fits, motion, mated, correlation, fit,
-        mismatch, max(overlap.shares), np.logical_or(*overlap.holes), overlap.first, report,
+        upper, lower, spacing, aperture, (y, x), fit.orientation, fit.fits, motion, fit.mated,
+        correlation, correlations, mismatch, max(overlap.shares), np.logical_or(*overlap.holes),
+        overlap.first, report,
     )  # fmt: skip
 
 
-def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
-    """Describe holes, unusual overlap and inclinations; ``best_fit``: the walls are mated."""
-    share, size, cut = 100.0 * max(overlap.shares), overlap.upper.size, overlap.cut
-    lost, wedge = int(overlap.holes.any(axis=0).sum()), both and overlap.relative > STEEP_WEDGE
-    upper, lower = overlap.holes.sum(axis=(1, 2)).tolist()
-    question = (
-        ", even in the position of best fit: are the scans of the same part of the joint?"
-        if best_fit
-        else ": are the scans in one frame? (--shift mated moves them to the best fit)"
+def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
+    """Describe the aperture (y, x) [m] at first touch, and how far the first contact stands out."""
+    early = float(np.quantile(aperture, 1e-3))
+    touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+    spike = (
+        "the first contact stands out far and may be a remaining spike; use closures since "
+        "seating, not those from first touch"
     )
-    doubts = {
-        f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan ({upper} of "
-        f"the upper, {lower} of the lower); they were taken out of contact, with the largest "
-        "aperture of those around them": lost > 0,
-        f"{cut} cells in holes of a scan are left out: the walls are the largest rectangle "
-        f"without them, {share:.0f} % of the smaller scan (see largest_filled_share)": cut > 0,
-        f"the walls overlap in {share:.0f} % of the smaller scan, less than "
-        f"{100.0 * LEAST_OVERLAP:.0f} %{question}": both and max(overlap.shares) < LEAST_OVERLAP,
-        f"the {'common plane' if both else 'plane'} is inclined by {overlap.inclination:.1f} "
-        f"degrees, more than {STEEP_PLANE:g}; it was removed along z, so that heights are not "
-        "normal to it; turn the scans": overlap.inclination > STEEP_PLANE,
-        f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
-        f"{STEEP_WEDGE:g}; walls of one joint are about parallel": wedge,
-    }
-    return [doubt for doubt, holds in doubts.items() if holds]
+    return [
+        f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
+        f"{1e3 * aperture.mean():.3g} mm",
+        caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
+    ]
+
+
+def _frame_remark(overlap: Overlap) -> str:
+    """Describe the mean distance of walls in one frame; warn if the upper one is the lower."""
+    gap = float(np.mean(overlap.upper - overlap.lower))
+    where = f"{1e3 * abs(gap):.3g} mm {'above' if gap > 0.0 else 'below'} the lower one"
+    lies = f"as scanned the upper wall lies {where} in the mean"
+    wrong = (
+        "if both scans have one zero of heights, the walls are interchanged or heights count "
+        "downwards"
+    )
+    return lies if gap > 0.0 else caution(wrong, f"{lies}: ")
+
+
+def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
+    """Describe holes, unusual overlap and inclinations.
+
+    ``both``: neither wall is flat; ``best_fit``: they are in the position of best fit.
+    """
+    doubts = []
+    share = 100.0 * max(overlap.shares)
+    size = overlap.upper.size
+    lost = int(overlap.holes.any(axis=0).sum())
+    if lost > 0:
+        upper, lower = overlap.holes.sum(axis=(1, 2)).tolist()
+        doubts.append(
+            f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan "
+            f"({upper} of the upper, {lower} of the lower); they were taken out of contact, with "
+            "the largest aperture of those around them"
+        )
+    if overlap.cut > 0:
+        doubts.append(
+            f"{overlap.cut} cells in holes of a scan are left out: the walls are the largest "
+            f"rectangle without them, {share:.0f} % of the smaller scan (see largest_filled_share)"
+        )
+    if both and max(overlap.shares) < LEAST_OVERLAP:
+        question = (
+            ", even in the position of best fit: are the scans of the same part of the joint?"
+            if best_fit
+            else ": are the scans in one frame? (--shift mated moves them to the best fit)"
+        )
+        doubts.append(
+            f"the walls overlap in {share:.0f} % of the smaller scan, less than "
+            f"{100.0 * LEAST_OVERLAP:.0f} %{question}"
+        )
+    if overlap.inclination > STEEP_PLANE:
+        doubts.append(
+            f"the {'common plane' if both else 'plane'} is inclined by "
+            f"{overlap.inclination:.1f} degrees, more than {STEEP_PLANE:g}; it was removed along "
+            "z, so that heights are not normal to it; turn the scans"
+        )
+    if both and overlap.relative > STEEP_WEDGE:
+        doubts.append(
+            f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
+            f"{STEEP_WEDGE:g}; walls of one joint are about parallel"
+        )
+    return doubts
 
 
 def _describe_mating(mismatch: Mismatch) -> str:

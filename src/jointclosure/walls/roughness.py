@@ -84,11 +84,17 @@ class Plane(NamedTuple):
 
 def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
     """Fit the plane of points (n,) [m] by sums, which have the same bits on any processor."""
-    middle_x, middle_y, level = float(np.mean(x)), float(np.mean(y)), float(np.mean(heights))
-    x, y, heights = x - middle_x, y - middle_y, heights - level
+    middle_x = float(np.mean(x))
+    middle_y = float(np.mean(y))
+    level = float(np.mean(heights))
+    x = x - middle_x
+    y = y - middle_y
+    heights = heights - level
     xx, xy, yy = (float(np.sum(a * b)) for a, b in ((x, x), (x, y), (y, y)))
-    xh, yh = float(np.sum(x * heights)), float(np.sum(y * heights))
-    determinant, trace = xx * yy - xy * xy, xx + yy
+    xh = float(np.sum(x * heights))
+    yh = float(np.sum(y * heights))
+    determinant = xx * yy - xy * xy
+    trace = xx + yy
     if determinant > 1e-12 * trace * trace:
         slopes = (yy * xh - xy * yh) / determinant, (xx * yh - xy * xh) / determinant
     elif trace > 0.0:
@@ -118,5 +124,6 @@ def bearing_depths(summed: np.ndarray, shares: ArrayLike) -> np.ndarray:
     deepest = min(int(below.max()) + 1, flat.size - 1)
     # sort only the highest cells, which are all that is needed
     highest = np.sort(np.partition(flat, flat.size - 1 - deepest)[flat.size - 1 - deepest :])[::-1]
-    at, next_at = highest[below], highest[np.minimum(below + 1, deepest)]
+    at = highest[below]
+    next_at = highest[np.minimum(below + 1, deepest)]
     return highest[0] - (at + (ranks - below) * (next_at - at))

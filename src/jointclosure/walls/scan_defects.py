@@ -21,12 +21,17 @@ SMOOTH = 0.03
 has no short waves. The least of self-affine walls of 128 x 128 cells (H 0.5 to 0.9) was 0.079, of a
 scanned foliation joint 0.11."""
 ASIDE = 2  # most cells by which profiles are compared
-CLEAR_SHIFT, CLEAR_STEP = 2.5, 4.0
-"""Mean over standard error of the misfit that a shift takes from a profile, from which it is moved:
-of a single profile between both neighbours, and of all profiles from one on. The largest of
-1,200 self-affine fields of 64 and 128 profiles was 1.5 and 2.8, as a shift adds misfit."""
-RIM = 8.0  # steps of profile means at a rim, over the usual deviation of such steps inside
-_RIM_SHARE, _RIM_CELLS = 0.03, 3  # cells from the edge in which a rim may end; at least so many
+CLEAR_SHIFT = 2.5
+"""Mean over standard error of the misfit that a shift takes from a single profile between both of
+its neighbours, from which it is moved. The largest of 1,200 self-affine fields of 64 and 128
+profiles was 1.5, as a shift adds misfit."""
+CLEAR_STEP = 4.0
+"""The same for all profiles from one on; the largest of these fields was 2.8."""
+RIM = 8.0
+"""Bend of the profile means at the step of a rim from which it is cut, over the usual bend of means
+inside (1.48 times the median deviation); chosen."""
+_RIM_SHARE = 0.03  # share of the cells along an axis in which a rim may end; chosen
+_RIM_CELLS = 3  # number of these cells where the share is fewer; chosen
 
 
 def inspected(scan: Scan | Cloud) -> Scan | Cloud:
@@ -48,7 +53,9 @@ def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cl
     """
     kept: dict[str, Scan | Cloud] = {}
     grids: dict[str, Scan] = {}
-    cells, firsts, changed = set(), [], False
+    cells = set()
+    firsts = []
+    changed = False
     for side, scan in scans.items():
         if isinstance(scan, Scan):
             place = scan.origin or (0.0, 0.0)
@@ -133,7 +140,8 @@ def with_profiles_in_line(scan: Scan) -> Scan:
         for row, place in enumerate(places.tolist()):
             part = heights[row, max(place, 0) : heights.shape[1] + min(place, 0)]
             moved[row, max(-place, 0) : max(-place, 0) + len(part)] = part
-        low, high = max(-places.min(), 0), heights.shape[1] - max(places.max(), 0)
+        low = max(-places.min(), 0)
+        high = heights.shape[1] - max(places.max(), 0)
         moved = moved[:, low:high]
         origin = None
         if scan.origin is not None:
@@ -161,10 +169,10 @@ def _places_aside(heights: np.ndarray) -> np.ndarray:
     places = np.zeros(len(heights), int)
     if slopes.shape[1] < 8 * ASIDE or len(slopes) < 4:
         return places
-    shifts, scores = _shifts(0.5 * (slopes[:-2] + slopes[2:]), slopes[1:-1], CLEAR_SHIFT)
+    shifts, scores = _clear_shifts(0.5 * (slopes[:-2] + slopes[2:]), slopes[1:-1], CLEAR_SHIFT)
     first = int(scores[1::2].sum() > scores[::2].sum())
     every_second = shifts[first::2]
-    usual = _usual(every_second)
+    usual = _most_frequent(every_second)
     if usual and (every_second == usual).mean() > 0.5:  # on the way back of the scanner
         places[(first + 1) % 2 :: 2] = usual
     else:
@@ -172,23 +180,28 @@ def _places_aside(heights: np.ndarray) -> np.ndarray:
             if shifts[row] and not places[row : row + 3].any():
                 places[row + 1] = shifts[row]
     moved = np.stack([np.roll(row, -place) for row, place in zip(slopes, places, strict=True)])
-    steps, _ = _shifts(moved[:-1], moved[1:], CLEAR_STEP)
+    steps, _ = _clear_shifts(moved[:-1], moved[1:], CLEAR_STEP)
     places[1:] += np.cumsum(steps)
-    return places - _usual(places)
+    return places - _most_frequent(places)
 
 
-def _usual(values: np.ndarray) -> int:
+def _most_frequent(values: np.ndarray) -> int:
     """Return the whole number that is most frequent."""
     return int(np.bincount(values - values.min()).argmax() + values.min())
 
 
-def _shifts(fixed: np.ndarray, rows: np.ndarray, clear: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shift [cells] of each row that clearly fits a fixed one better, 0 if none does,
-    and the mean over standard error of the misfit that it takes.
+def _clear_shifts(
+    fixed: np.ndarray, rows: np.ndarray, clear: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the shift [cells] of each row at which it clearly fits a fixed row better, else 0.
+
+    The second value (rows,) is the mean over standard error of the misfit that the shift takes;
+    a shift is clear from ``clear`` on.
     """
     inner = np.s_[:, ASIDE : rows.shape[1] - ASIDE]
     here = ((fixed - rows) ** 2)[inner]
-    shifts, scores = np.zeros(len(rows), int), np.zeros(len(rows))
+    shifts = np.zeros(len(rows), int)
+    scores = np.zeros(len(rows))
     for shift in (s for s in range(-ASIDE, ASIDE + 1) if s):
         gain = here - ((fixed - np.roll(rows, -shift, axis=1)) ** 2)[inner]
         count = np.isfinite(gain).sum(axis=1)
@@ -197,7 +210,8 @@ def _shifts(fixed: np.ndarray, rows: np.ndarray, clear: float) -> tuple[np.ndarr
             deviation = np.sqrt(np.nansum((gain - mean[:, None]) ** 2, axis=1)) / count
             score = np.where(count >= 16, mean / deviation, 0.0)
         better = np.nan_to_num(score) > np.maximum(scores, clear)
-        shifts[better], scores[better] = shift, score[better]
+        shifts[better] = shift
+        scores[better] = score[better]
     return shifts, scores
 
 
@@ -205,7 +219,8 @@ def without_rim(scan: Scan) -> Scan:
     """Cut profiles at the edges whose mean height differs from the wall's by a sharp step."""
     cuts = []
     for axis in (0, 1):
-        low, high = _rim(scan.heights, axis), _rim(np.flip(scan.heights, axis), axis)
+        low = _rim_width(scan.heights, axis)
+        high = _rim_width(np.flip(scan.heights, axis), axis)
         cuts.append((low, scan.heights.shape[axis] - high))
     if all(cut == (0, n) for cut, n in zip(cuts, scan.heights.shape, strict=True)):
         return scan
@@ -224,7 +239,7 @@ def without_rim(scan: Scan) -> Scan:
     )
 
 
-def _rim(heights: np.ndarray, axis: int) -> int:
+def _rim_width(heights: np.ndarray, axis: int) -> int:
     """Return the number of profiles at the start of an axis that are a rim."""
     side = heights.shape[axis]
     most = max(int(_RIM_SHARE * side), _RIM_CELLS)

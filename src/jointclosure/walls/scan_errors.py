@@ -30,8 +30,8 @@ at the shortest a Gaussian filter takes a third of the power."""
 _AMPLIFIED = 5.0  # most that what a filter left of a wave is multiplied by
 _SCALE_WAVES = 8.0  # shortest waves [cells] by which heights of two walls are compared
 _MATED = 0.8  # correlation of these waves from which the scale of two walls is known
-_LEAST_SCALE, _CLEAR_SCALE = 0.02, 5.0
-"""Differences of scale that are believed: at least so much, and so many standard errors."""
+_LEAST_SCALE = 0.02  # least difference of the scales of two walls that is believed; chosen
+_CLEAR_SCALE = 5.0  # standard errors that such a difference must have; chosen
 
 
 class ScanErrors(NamedTuple):
@@ -65,13 +65,17 @@ class ScanErrors(NamedTuple):
     def with_other_noise(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
         """Draw walls (y, x) [m] with another noise, of a size between both estimates."""
         random = generator(seed_of(1, "noise", number))
-        variance, part, drawn = random.uniform(*self.noise) ** 2, random.random(), []
+        variance = random.uniform(*self.noise) ** 2
+        part = random.random()
+        drawn = []
         ring = _ring_numbers(upper.shape)
         scanned = [_waves(field) for field in (upper + lower, upper - lower)]
         powers = [_ring_means(waves**2) for waves in scanned]
-        coherence, lost = _coherence(powers[0], powers[1], variance), _lost(upper, lower)
+        coherence = _coherence(powers[0], powers[1], variance)
+        lost = _lost_power(upper, lower)
         for waves, power, sign in zip(scanned, powers, (-1.0, 1.0), strict=True):
-            divisor, noise = np.where(power > 0.0, power, 1.0), np.minimum(variance, power)
+            divisor = np.where(power > 0.0, power, 1.0)
+            noise = np.minimum(variance, power)
             true = np.maximum(power + (1.0 + sign * coherence) * lost - part * noise, 0.0)
             # of true waves with this power that depart from the scanned ones by the noise
             kept = np.clip(0.5 * (true + power - noise) / divisor, 0.0, np.sqrt(true / divisor))
@@ -92,8 +96,10 @@ class ScanErrors(NamedTuple):
         waves, with the coherence that both walls have at this wavelength.
         """
         random = generator(seed_of(1, "resolution", number))
-        exponent, part = random.uniform(*_ROCK_EXPONENTS), random.random()
-        ring, scanned = _ring_numbers(upper.shape), [_waves(upper), _waves(lower)]
+        exponent = random.uniform(*_ROCK_EXPONENTS)
+        part = random.random()
+        ring = _ring_numbers(upper.shape)
+        scanned = [_waves(upper), _waves(lower)]
         powers = [_ring_means(waves**2) for waves in scanned]
         both = np.sqrt(powers[0] * powers[1])
         cross = _ring_means(scanned[0] * scanned[1])
@@ -104,7 +110,7 @@ class ScanErrors(NamedTuple):
         for waves, power, length, other in zip(
             scanned, powers, self.waves, (first, second), strict=True
         ):
-            true = _extrapolated(power, length, exponent, upper.shape)
+            true = _extrapolated_power(power, length, exponent, upper.shape)
             ratio = np.sqrt(true / np.where(power > 0.0, power, np.inf))
             kept = 1.0 + part * (np.minimum(np.maximum(ratio, 1.0), _AMPLIFIED) - 1.0)
             scatter = np.sqrt(np.maximum(true - kept**2 * power, 0.0))
@@ -150,14 +156,21 @@ def _ring_means(values: np.ndarray) -> np.ndarray:
     return np.bincount(ring, values.ravel()) / np.maximum(np.bincount(ring), 1)
 
 
-def _coherence(apart: np.ndarray, together: np.ndarray, noise: float = 0.0) -> np.ndarray:
-    """Return the coherence of walls without noise, from the powers of their sum and difference."""
-    whole = np.maximum(apart + together - 2.0 * noise, np.abs(together - apart))
-    return np.maximum(together - apart, 0.0) / np.where(whole > 0.0, whole, 1.0)
+def _coherence(of_sum: np.ndarray, of_difference: np.ndarray, noise: float = 0.0) -> np.ndarray:
+    """Return the coherence that walls had without noise, from powers of their sum and difference.
+
+    Heights count towards the other wall, so that the sum of walls of coherence 1 has no power.
+    """
+    whole = np.maximum(of_sum + of_difference - 2.0 * noise, np.abs(of_difference - of_sum))
+    return np.maximum(of_difference - of_sum, 0.0) / np.where(whole > 0.0, whole, 1.0)
 
 
-def _lost(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
-    """Return the power that the upper wall lacks of the lower one's in the shortest octave."""
+def _lost_power(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
+    """Return the power of each ring of wave numbers that interpolation took from the upper wall.
+
+    It is the mean power that the upper wall lacks of the lower one's in the shortest octave, and 0
+    at longer waves.
+    """
     short = _ring_numbers(upper.shape) >= min(upper.shape) // 2
     lacking = float((_waves(lower)[short] ** 2).mean() - (_waves(upper)[short] ** 2).mean())
     return (_ring_means(short) > 0.0) * (max(lacking, 0.0) if upper.any() else 0.0)
@@ -172,9 +185,11 @@ def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
     """
     fields = (upper, lower, upper + lower, upper - lower)
     powers = [_waves(field) ** 2 for field in fields]
-    side, count = min(upper.shape), np.bincount(_ring_numbers(upper.shape).flat)
+    side = min(upper.shape)
+    count = np.bincount(_ring_numbers(upper.shape).flat)
     kept = np.arange(_LONGEST, side)
-    power, count = _ring_means(powers[0] + powers[1])[kept], count[kept]
+    power = _ring_means(powers[0] + powers[1])[kept]
+    count = count[kept]
     if not (power > 0.0).all():
         return 0.0, 0.0
     octaves = np.log2(kept / _LONGEST).astype(int)
@@ -182,7 +197,8 @@ def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
         np.bincount(octaves, _ring_means(field)[kept] * count) / np.bincount(octaves, count)
         for field in powers[2:]
     )
-    weight, fits = np.sqrt(count), []
+    weight = np.sqrt(count)
+    fits = []
     for exponent in _EXPONENTS:
         columns = power[-1] * np.stack([(kept / side) ** (-2.0 * exponent - 2.0), 0.0 * kept + 1.0])
         parts, _ = scipy.optimize.nnls((columns * (weight / power)).T, weight)
@@ -194,11 +210,13 @@ def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
     return math.sqrt(low), math.sqrt(high)
 
 
-def _extrapolated(
+def _extrapolated_power(
     power: np.ndarray, length: float, exponent: float, shape: tuple[int, ...]
 ) -> np.ndarray:
-    """Return the power by ring of a wall that lost waves below about a length [cells], extended
-    by A k^(-2H - 2); the power itself where it is larger, or without lost waves.
+    """Return the power that a wall had before waves shorter than a length [cells] were lost.
+
+    It is that of A k^(-2H - 2) for each ring of wave numbers k, with A from the longer waves and
+    the Hurst exponent H, but at least the power that is left.
     """
     rings = np.arange(len(power))
     if not length > 0.0 or not power.any():
@@ -220,7 +238,8 @@ def scale_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
     Waves of both walls of coherence c give log(P/P') / 2 of their powers, with a variance of
     (1 - c^2)/n from n waves. The scale is 1, and infinitely uncertain, if the walls do not mate.
     """
-    one, other = _waves(upper), _waves(lower)
+    one = _waves(upper)
+    other = _waves(lower)
     powers = [_ring_means(product) for product in (one * one, other * other, one * other)]
     count = np.bincount(_ring_numbers(upper.shape).ravel())
     rings = np.arange(len(count))

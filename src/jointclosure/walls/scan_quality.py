@@ -34,20 +34,25 @@ MOVED = 0.02  # relative change of the rms slope from which an error of heights 
 FALLING = 1.3
 """Ratio of squared height differences to those at a longer distance, from which passes of a scanner
 lie apart. Of walls and of noise it is at most 1, of the published fracture 1.02."""
-_SAMPLE, _NEIGHBOURS = 20_000, 11  # points whose nearest ones are compared
-_DISTANCES = np.geomspace(0.1, 1.6, 13)  # in mean distances of points
-_ORDER = 3  # of the differences
-_LAGS = (1, 2, 3, 4, 6, 8)
+_SAMPLE = 20_000  # most points whose nearest ones are compared
+_NEIGHBOURS = 11  # nearest ones of each
+_DISTANCES = np.geomspace(0.1, 1.6, 13)  # limits of their distances, in mean distances of points
+_ORDER = 3  # of the differences by which filters are found
+_LAGS = (1, 2, 3, 4, 6, 8)  # distances of the heights in these differences [cells]
 _HALF = 2.0 * math.pi / math.sqrt(math.log(2.0))
 """Wavelength at which a Gaussian filter leaves half of the power, over its standard deviation."""
-_NOISE_ORDER, _NOISE_LAGS = 4, (1, 2, 3)
-"""Order and distances of differences beside which noise is fitted. Waves near a roll-off of 3 mm
-hardly enter; with second differences, or to six cells, they were taken for a law without noise."""
+_NOISE_ORDER = 4
+"""Order of the differences beside which noise is fitted. Waves near a roll-off of 3 mm hardly
+enter; with second differences they were taken for a law without noise."""
+_NOISE_LAGS = (1, 2, 3)
+"""Distances of the heights in these differences [cells]; to six cells waves near a roll-off were
+taken for a law without noise as well."""
 _WHITE = float(math.comb(2 * _NOISE_ORDER, _NOISE_ORDER))
 """Mean square of such a difference of white noise, over its variance."""
 _BLOCKS = 4  # parts of a scan along each side, of which one is left out by the jackknife
 _NOISE_EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents beside which noise is fitted
 _WIDTHS = np.concatenate([[0.0], np.geomspace(0.3, 8.0, 40)])
+"""Standard deviations [cells] of the Gaussian filters that are compared with a scan; 0: none."""
 _EXPONENTS = np.linspace(0.5, 1.0, 6)  # Hurst exponents of rock
 
 
@@ -68,7 +73,8 @@ def step_of(values: np.ndarray) -> float:
     between = between[between > rounding]
     if len(between) < 2:
         return 0.0
-    least, step = 1e-4 * float(np.median(between)), float(between.min())
+    least = 1e-4 * float(np.median(between))
+    step = float(between.min())
     while step > max(least, 4.0 * rounding):
         left = np.abs(between - step * np.rint(between / step))
         left = left[left > np.maximum(0.01 * step, rounding)]
@@ -100,10 +106,10 @@ def shortest_wave(scan: Scan | Cloud, level: Scan | Cloud | None = None) -> floa
     if isinstance(scan, Cloud):
         return 0.0
     rounding = rounding_of(scan).heights
-    squares = [_squares(scan.heights, axis, rounding) for axis in "yx"]
-    filtered = _exceeds(np.mean(squares, axis=0), STEEPEST)
+    squares = [_mean_squares(scan.heights, axis, rounding) for axis in "yx"]
+    filtered = _grows_faster(np.mean(squares, axis=0), STEEPEST)
     widths = [
-        _width(of_axis) * step if filtered or _exceeds(of_axis, ALONG) else 0.0
+        _filter_width(of_axis) * step if filtered or _grows_faster(of_axis, ALONG) else 0.0
         for of_axis, step in zip(squares, scan.spacing, strict=True)
     ]
     if not max(widths) and rank_filtered(scan):
@@ -117,13 +123,14 @@ def growth(squares: np.ndarray) -> np.ndarray:
         return np.log2([squares[1] / squares[0], squares[3] / squares[1], squares[5] / squares[3]])
 
 
-def _exceeds(squares: np.ndarray, most: float) -> bool:
+def _grows_faster(squares: np.ndarray, most: float) -> bool:
     return bool((np.nan_to_num(growth(squares)) > most).any())
 
 
-def _squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
+def _mean_squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
     """Return mean squared third differences at `_LAGS` less those of rounding, NaN if unknown."""
-    side, noise = heights.shape["yx".index(axis)], math.comb(2 * _ORDER, _ORDER) / 12.0
+    side = heights.shape["yx".index(axis)]
+    noise = math.comb(2 * _ORDER, _ORDER) / 12.0
     squares = np.full(len(_LAGS), np.nan)
     for place, lag in enumerate(_LAGS):
         if 4 * _ORDER * lag > side and lag > 2:
@@ -139,16 +146,16 @@ def _squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
     return squares
 
 
-def _width(squares: np.ndarray) -> float:
+def _filter_width(squares: np.ndarray) -> float:
     """Return the width, in cells, of the filter that explains squared differences at `_LAGS`."""
     known = np.isfinite(squares)
-    apart = _expected()[:, :, known] - np.log(squares[known])
+    apart = _expected_log_squares()[:, :, known] - np.log(squares[known])
     misfit = apart.var(axis=-1)
     return float(_WIDTHS[np.unravel_index(misfit.argmin(), misfit.shape)[1]])
 
 
 @lru_cache(maxsize=1)
-def _expected() -> np.ndarray:
+def _expected_log_squares() -> np.ndarray:
     """Return log squared third differences (exponents, widths, lags) of filtered walls."""
     wave = np.pi * (np.arange(256) + 0.5) / 256.0
     square = wave[:, None] ** 2 + wave[None, :] ** 2
@@ -187,14 +194,16 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
         return math.nan, math.nan
     sums, counts = _squares_by_block(scan.heights, rounding_of(scan).heights)
     blocks = np.flatnonzero(counts[0] > 0)
-    whole, all_counts = sums.sum(axis=1), counts.sum(axis=1)
+    whole = sums.sum(axis=1)
+    all_counts = counts.sum(axis=1)
     if len(blocks) < _BLOCKS or all_counts.min() < 100:
         return math.nan, math.nan
     squares = whole / all_counts
     if not (squares > 0.0).all():
         return math.nan, math.nan
     most = float(squares[:: len(_NOISE_LAGS)].min()) / _WHITE
-    student, ends = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1), []
+    student = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1)
+    ends = []
     for law in _growth_laws():
         without = np.array([
             _white_noise((whole - sums[:, block]) / (all_counts - counts[:, block]), law)
@@ -208,7 +217,11 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
 
 @lru_cache(maxsize=1)
 def _growth_laws() -> tuple[np.ndarray, np.ndarray]:
-    """Return squared differences (exponents, lags) of walls with and without shorter waves."""
+    """Return how squared fourth differences of walls grow with the lag: (exponents, lags) twice.
+
+    The first law is that of walls with waves shorter than the grid, d^(2H), the second that of
+    walls without them, whose spectrum ends at the grid.
+    """
     lags = np.array(_NOISE_LAGS, float)
     wave = np.pi * (np.arange(256) + 0.5) / 256.0
     square = wave[:, None] ** 2 + wave[None, :] ** 2
@@ -219,10 +232,12 @@ def _growth_laws() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _squares_by_block(heights: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return sums of squared fourth differences less those of rounding, and their counts, over
-    axes and `_NOISE_LAGS` (n,) and parts of the scan.
+    """Return sums of squared fourth differences [m^2] less those of rounding, and their counts.
+
+    Both are (n, parts), with n = 2 * len(_NOISE_LAGS): each lag along y, then along x.
     """
-    sums, counts = [], []
+    sums = []
+    counts = []
     for axis, lag in itertools.product("yx", _NOISE_LAGS):
         squares = difference(heights, axis, lag, _NOISE_ORDER) ** 2 - _WHITE * rounding**2 / 12.0
         ny, nx = (max(size, 1) for size in squares.shape)
@@ -234,13 +249,16 @@ def _squares_by_block(heights: np.ndarray, rounding: float) -> tuple[np.ndarray,
 
 
 def _white_noise(squares: np.ndarray, law: np.ndarray) -> float:
-    """Fit the variance of white noise [m^2] to mean squared differences over axes and lags, beside
-    one of the laws (exponents, lags) by which those of the wall grow.
+    """Fit the variance of white noise [m^2] beside the differences of the wall itself.
+
+    ``squares`` (n,) are mean squared differences as of `_squares_by_block`, ``law`` (exponents,
+    lags) those by which a wall of each Hurst exponent grows. The best exponent is taken.
     """
     fits = []
     weight = 1.0 / np.tile(_NOISE_LAGS, 2)  # about so many differences are independent
     for grown in law:
-        zero, one = np.zeros_like(grown), np.ones_like(grown)
+        zero = np.zeros_like(grown)
+        one = np.ones_like(grown)
         columns = np.block([[grown, zero], [zero, grown], [one, one]]).T
         scaled = columns * (weight / squares)[:, None]
         parts, *_ = np.linalg.lstsq(scaled, weight, rcond=None)
@@ -254,7 +272,8 @@ def rank_filtered(scan: Scan) -> bool:
     apart = np.abs(np.diff(points[:, 2][neighbours(scan)], axis=1).ravel())
     if not apart.size:
         return False
-    step, equal = step_of(points[:, 2]), float(np.mean(apart == 0.0))
+    step = step_of(points[:, 2])
+    equal = float(np.mean(apart == 0.0))
     if step > 0.3 * math.sqrt(float(np.mean(apart**2))):  # too many ties are those of rounding
         return False
     one = float(np.mean(np.abs(apart - step) < 0.5 * step)) if step > 0.0 else 0.0
@@ -296,7 +315,7 @@ def resolution_remarks(
             )
     for about, excess in errors.items():
         if excess > 2.0 * MOVED * square:
-            remarks.append(_moved(about, square, excess, spacing))
+            remarks.append(_error_caution(about, square, excess, spacing))
     return remarks
 
 
@@ -311,7 +330,7 @@ def lost_waves(wave: float, spacing: float) -> Caution:
     )
 
 
-def _moved(about: str, square: float, excess: float, spacing: float) -> Caution:
+def _error_caution(about: str, square: float, excess: float, spacing: float) -> Caution:
     """Describe the rms slope and JRC with and without an excess of squared differences [m^2]."""
     relation = RELATIONS[DEFAULT_RELATION]
     slopes = [math.sqrt(max(part, 0.0)) / spacing for part in (square, square - excess)]
@@ -331,7 +350,8 @@ def noise_of_points(cloud: Cloud) -> float:
     half of the points have are used: on steep rock some points are close to each other in the plan.
     The noise is 0 where these distances do not reach below 0.6 of the mean one.
     """
-    points, distance = cloud.points, point_distance(cloud)
+    points = cloud.points
+    distance = point_distance(cloud)
     x, y, heights = points.T
     level = heights - plane_through(x, y, heights).at(x, y)
     some = np.arange(0, len(points), -(-len(points) // _SAMPLE))

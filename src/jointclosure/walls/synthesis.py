@@ -38,7 +38,8 @@ class Spectrum(NamedTuple):
         minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 for white slopes g have the power 1/(|d_x|^2
         + |d_y|^2).
         """
-        wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
+        wave_y = scipy.fft.fftfreq(ny)[:, None]
+        wave_x = wave_x[None, :]
         if self.rule == "walk":
             wave_y, wave_x = (_sines(wave) / np.pi for wave in (wave_y, wave_x))
         square = wave_y * wave_y + wave_x * wave_x
@@ -192,7 +193,7 @@ def wall_pair(
     check_length("spacing", spacing)
     check_count("seed", seed, 0)
     check_one_of("normalise", normalise, NORMALISATIONS)
-    _check(shape, hurst, correlation, shift_in_cells)
+    _check_wall_arguments(shape, hurst, correlation, shift_in_cells)
     check_mismatch(mismatch_wavelength, correlation)
     if not unusual_values:
         lengths = {"roll_off": roll_off, "mismatch_wavelength": mismatch_wavelength}
@@ -245,7 +246,8 @@ def _partly_mated(
     upper, other = (_random_waves(size, spectrum, random) for random in generators(seed))
     lower = np.where(np.hypot(*wave_numbers(*size)) * wavelength < 1.0, -upper, other)
     upper, lower = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
-    rows, cells = slice(wide[0]), wide[1] - shift
+    rows = slice(wide[0])
+    cells = wide[1] - shift
     return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
 
 
@@ -270,7 +272,9 @@ def check_mismatch(wavelength: float | None, correlation: float) -> None:
         raise InputError(f"correlation = {correlation!r}: {must}")
 
 
-def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int) -> None:
+def _check_wall_arguments(
+    shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int
+) -> None:
     check_number("hurst", hurst)
     check_number("correlation", correlation)
     check_count("shift_in_cells", shift_in_cells, 0)
@@ -303,7 +307,8 @@ def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float)
 def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: float) -> float:
     """Return the expected RMS slope of `gaussian_field`, from its spectrum."""
     ny, nx = (2 * max(n, 2) for n in shape)
-    wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], scipy.fft.fftfreq(nx)[None, :]
+    wave_y = scipy.fft.fftfreq(ny)[:, None]
+    wave_x = scipy.fft.fftfreq(nx)[None, :]
     powers = power(spectrum.squares(ny, wave_x[0]), spectrum.exponent) / (ny * nx)
     powers[0, 0] = 0.0
     slopes = [

@@ -52,7 +52,8 @@ class Material(NamedTuple):
 
 def content(material: Material) -> dict:
     """Return names and values for the template."""
-    study, known = material.study, material.tables
+    study = material.study
+    known = material.tables
     keys = json.loads(study.attrs["configuration"])
     configuration = resolved(keys)
     titles = configuration.titles
@@ -108,10 +109,12 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
     """
     good = succeeded(study)
     used = good.sum("realization")
-    remarked, remarks = remarked_joints(study), {}
+    remarked = remarked_joints(study)
+    remarks = {}
     for name in REMARKS.values():
         rows = remarked[remarked.remark == name]
-        of_cases, most = rows.drop_duplicates("case"), most_changed(rows)
+        of_cases = rows.drop_duplicates("case")
+        most = most_changed(rows)
         change = "no joint is left without them"
         if most is not None:
             case = case_title(titles, most.rock, most.parameter, most.level)
@@ -119,7 +122,8 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
                 f"mean gross closures without them change at most by {change_in_words(most)} "
                 f"({case}, cycle {most.cycle})"
             )
-        joints, cases = int(of_cases.joints.sum()), len(of_cases)
+        joints = int(of_cases.joints.sum())
+        cases = len(of_cases)
         remarks[name] = {"joints": joints, "cases": cases, "change": change}
     return {
         "simulations": good.size,
@@ -226,7 +230,8 @@ def headline(elasticities: pd.DataFrame | None) -> dict[str, Any]:
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
     """Judge whether a property has the largest elasticity in all rocks, with independent errors."""
-    lows, highs = [], []
+    lows = []
+    highs = []
     confidence = 1.0 - 0.05 / (len(elasticities) - elasticities.rock.nunique())
     for _, of_rock in elasticities.groupby("rock"):
         of_rock = of_rock.set_index("parameter")
@@ -245,7 +250,8 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
 def _range(values: list[float]) -> str:
     if not values:
         return "an unknown number of"
-    low, high = number_text(min(values), 2), number_text(max(values), 2)
+    low = number_text(min(values), 2)
+    high = number_text(max(values), 2)
     return low if low == high else f"{low} to {high}"
 
 

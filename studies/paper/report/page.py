@@ -50,7 +50,8 @@ def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {})
     """
     named = [(name, frame[name]) for name in columns.split()]
     named = named or [one for one in frame.items() if not str(one[0]).endswith("_standard_error")]
-    titles, texts = [], []
+    titles = []
+    texts = []
     for name, values in named:
         error = f"{name}_standard_error"
         known = error in frame

@@ -121,7 +121,11 @@ def read_scan(
             if variable is not None and (len(files) > 1 or not _format_of(files[0]).named):
                 must = "must be left out; the format has one array without a name"
                 raise InputError(f"variable = {variable!r}: {must}")
-            contents = _joined(files) if len(files) > 1 else _contents(files[0], variable)
+            contents = (
+                _read_three_matrices(files)
+                if len(files) > 1
+                else _read_contents(files[0], variable)
+            )
             return in_metres(contents, units, scan_spacing)
         except MemoryError:
             raise InputError("needs more memory than there is") from None
@@ -141,7 +145,7 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
     return tuple(map(Path, path))
 
 
-def _by_start(path: Path, marks: dict) -> Any:
+def _entry_by_first_bytes(path: Path, marks: dict) -> Any:
     """Return the entry for the first bytes of a file, None without one."""
     with path.open("rb") as file:
         start = file.read(64).lstrip().lower()
@@ -150,7 +154,7 @@ def _by_start(path: Path, marks: dict) -> Any:
 
 def _format_of(path: Path) -> Format:
     """Return the format of a file by its content, otherwise by its name."""
-    if form := _by_start(path, BY_CONTENT):
+    if form := _entry_by_first_bytes(path, BY_CONTENT):
         return form
     form = BY_SUFFIX.get(path.suffix.lower())
     if form not in (_TEXT, None):
@@ -162,26 +166,27 @@ def _format_of(path: Path) -> Format:
     return form or (_OTHER_TEXT if text.is_text(start) else _SCANNER)
 
 
-def _contents(path: Path, variable: str | None = None) -> Contents:
+def _read_contents(path: Path, variable: str | None = None) -> Contents:
     """Read one file; an error also names the form that its content is most like."""
-    form, suffix = _format_of(path), path.suffix.lower()
+    form = _format_of(path)
+    suffix = path.suffix.lower()
     try:
         with reading_as(form.title):
             return form.read(path, variable) if form.named else form.read(path)
     except InputError as error:
-        like = _by_start(path, _STARTS)
+        like = _entry_by_first_bytes(path, _STARTS)
         if like is None or form in BY_CONTENT.values() or (suffix and suffix in like):
             raise
         raise InputError(f"{error}; its content is that of {like}") from None
 
 
-def _joined(files: tuple[Path, ...]) -> Contents:
+def _read_three_matrices(files: tuple[Path, ...]) -> Contents:
     """Read the heights of one file at the places x and y of two others, all as matrices."""
     parts = []
     for file in files:
         with naming(str(file)):
             as_text = _format_of(file) in (_TEXT, _OTHER_TEXT)
-            parts.append(text.read_matrix(file) if as_text else _contents(file))
+            parts.append(text.read_matrix(file) if as_text else _read_contents(file))
     matrices = [np.asarray(part.heights, dtype=float) for part in parts]
     if len({matrix.shape for matrix in matrices}) > 1:
         listed = ", ".join(" x ".join(map(str, matrix.shape)) for matrix in matrices)

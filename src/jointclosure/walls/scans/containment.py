@@ -22,11 +22,11 @@ _EXTERNAL = re.compile(rb"\x01\x00\x00\x00(..)(..)\Z", re.DOTALL)  # slots: allo
 def check_contained(path: Path) -> None:
     """Raise `InputError` if a file is HDF5 and has data in other files."""
     with path.open("rb") as file:
-        base = next((start for start in _STARTS if _at(file, start) == _MAGIC), None)
+        base = next((start for start in _STARTS if _bytes_at(file, start) == _MAGIC), None)
         if base is None:
             return
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-            what = _elsewhere(content, base)
+            what = _reference_to_other_file(content, base)
     if what is not None:
         raise InputError(
             f"has {what}, so that heights would be read from another file: must contain its data; "
@@ -34,22 +34,22 @@ def check_contained(path: Path) -> None:
         )
 
 
-def _at(file, start: int) -> bytes:
+def _bytes_at(file, start: int) -> bytes:
     file.seek(start)
     return file.read(len(_MAGIC))
 
 
-def _elsewhere(content: mmap.mmap, base: int) -> str | None:
+def _reference_to_other_file(content: mmap.mmap, base: int) -> str | None:
     """Return what names other files in the content of an HDF5 file, None if nothing does."""
-    for heap in _places(content, b"HEAP"):
-        for place in _places(content, struct.pack("<Q", heap - base)):
+    for heap in _find_all(content, b"HEAP"):
+        for place in _find_all(content, struct.pack("<Q", heap - base)):
             slots = _EXTERNAL.search(content[max(place - 8, 0) : place])
             if slots and 0 < int.from_bytes(slots[2], "little") <= int.from_bytes(
                 slots[1], "little"
             ):
                 return "external storage"
-    for heap in _places(content, b"GCOL"):
-        for place in _places(content, struct.pack("<Q", heap - base)):
+    for heap in _find_all(content, b"GCOL"):
+        for place in _find_all(content, struct.pack("<Q", heap - base)):
             if content[max(place - 2, 0) : place] in (b"\x04\x03", b"\x05\x03"):
                 return "a virtual dataset"
     if any(_is_external_link(content, match.start()) for match in _LINK.finditer(content)):
@@ -57,7 +57,7 @@ def _elsewhere(content: mmap.mmap, base: int) -> str | None:
     return None
 
 
-def _places(content: mmap.mmap, word: bytes) -> Iterator[int]:
+def _find_all(content: mmap.mmap, word: bytes) -> Iterator[int]:
     place = content.find(word)
     while place >= 0:
         yield place
@@ -66,7 +66,8 @@ def _places(content: mmap.mmap, word: bytes) -> Iterator[int]:
 
 def _is_external_link(content: mmap.mmap, start: int) -> bool:
     """Return whether an external link is stored at a place: its name, then file and object."""
-    flags, place = content[start + 1], start + 3
+    flags = content[start + 1]
+    place = start + 3
     place += 8 * bool(flags & 4) + bool(flags & 16)  # order of creation, character set
     width = 1 << (flags & 3)
     size = int.from_bytes(content[place : place + width], "little")

@@ -15,7 +15,8 @@ from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.outliers import neighbours, zeros_are_contacts
 from jointclosure.walls.scans.sheet import check_exact_heights
 
-LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000  # [bytes]; file: if read as a whole
+LARGEST_ARRAY = 800_000_000  # most bytes of an array in double precision; chosen
+LARGEST_FILE = 2_000_000_000  # most bytes of a file that is read as a whole; chosen
 SAME_SPACING = 1e-3  # largest relative difference of statements of one spacing
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
@@ -110,7 +111,8 @@ def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
     if sides is None:
         return [*UNITS], ""
     smallest, largest, _ = USUAL["side_of_scan"]
-    (x, y), usual = sides, {}
+    x, y = sides
+    usual = {}
     for name, size in UNITS.items():
         if size * min(sides) >= smallest and size * max(sides) <= largest:
             usual[name] = f"{name} ({1e3 * size * x:.4g} x {1e3 * size * y:.4g} mm)"
@@ -256,13 +258,15 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
     sides = contents.sides()
     hint = sides if contents.length_units is None else None
     height = size_of(settled("heights", contents.height_units, units, hint, contents.unread))
-    lengths, stated = "m", np.array(contents.spacing)
+    lengths = "m"
+    stated = np.array(contents.spacing)
     if contents.points is not None or not np.isnan(stated).all():
         lengths = settled("distances", contents.length_units, units, sides, contents.unread)
     elif spacing is not None:
         stated = np.full(2, spacing)
         contents = contents._replace(spacing=(spacing, spacing))
-    across, (usual, spans) = size_of(lengths), _usual_units(contents.sides())
+    across = size_of(lengths)
+    usual, spans = _usual_units(contents.sides())
     remarks = contents.remarks
     if contents.unread:
         listed = "; ".join(map(repr, contents.unread))

@@ -89,7 +89,8 @@ def grid_of(
     texts = {key: array for key, array in arrays.items() if array.dtype.kind == "U"}
     arrays = {key: array for key, array in arrays.items() if key not in texts}
     name = chosen(variable, arrays)
-    heights, units = _loaded(name, arrays[name]), arrays[name].units
+    heights = _loaded(name, arrays[name])
+    units = arrays[name].units
     if heights.ndim != 2:
         raise InputError(f"{name} has shape {heights.shape}: must be heights (y, x)")
     beside = {key: array for key, array in arrays.items() if key != name}
@@ -97,10 +98,12 @@ def grid_of(
     size = {key: math.prod(array.shape) for key, array in beside.items()}
     placing = [key for key in beside if size[key] > 1]
     places = [{key: beside[key] for key in placing if kinds[key] == axis} for axis in "yx"]
-    contents, statements = _placed(name, heights, places)
+    contents, statements = _place_heights(name, heights, places)
     numbers = [key for key in beside if kinds[key] in _NUMBERS and size[key] <= 2]
     others = [key for key in beside if size[key] == 1 and key not in (*numbers, *(axes or {}))]
-    header = read_header([*lines, *_as_lines(texts), *_as_lines({k: beside[k] for k in others})])
+    header = read_header(
+        [*lines, *_header_lines(texts), *_header_lines({k: beside[k] for k in others})]
+    )
     units = same_units(name, units, header.height_units)
     if contents.points is not None:
         unused = tuple(f"{key} was not used: the points are on no grid" for key in numbers)
@@ -129,7 +132,7 @@ def grid_of(
     )
 
 
-def _as_lines(arrays: Mapping[str, Array]) -> list[str]:
+def _header_lines(arrays: Mapping[str, Array]) -> list[str]:
     """Return texts and single numbers of a file as the lines of a header."""
     lines = []
     for key, array in arrays.items():
@@ -138,20 +141,23 @@ def _as_lines(arrays: Mapping[str, Array]) -> list[str]:
     return lines
 
 
-def _placed(
+def _place_heights(
     name: str, heights: np.ndarray, places: list[dict[str, Array]]
 ) -> tuple[Contents, list[Statement]]:
     """Return heights as a grid or as points, and the statement of places along y and x, if any."""
     named = places[0] | places[1]
     if not named:
         return Contents(heights), []
-    if not _fit(places, heights.shape):
-        if not _fit(places, heights.T.shape):
+    if not _places_fit(places, heights.shape):
+        if not _places_fit(places, heights.T.shape):
             shapes = ", ".join(f"{key} ({listing(array.shape)})" for key, array in named.items())
             raise InputError(f"{shapes}: must be places of {name} ({listing(heights.shape)})")
         heights = heights.T
-    names, units = " and ".join(named), next((a.units for a in named.values() if a.units), None)
-    (y, dy), (x, dx) = (_axis(number, along, units) for number, along in enumerate(places))
+    names = " and ".join(named)
+    units = next((a.units for a in named.values() if a.units), None)
+    (y, dy), (x, dx) = (
+        _places_along_axis(number, along, units) for number, along in enumerate(places)
+    )
     if dy is None or dx is None:
         if y is None or x is None:
             raise InputError(f"{names}: must be evenly spaced, or places along both axes")
@@ -165,7 +171,7 @@ def _placed(
     return contents, [Statement(names, np.abs([dy, dx]), units)]
 
 
-def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
+def _places_fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
     """Return whether places along y and x are vectors or matrices for heights of a shape."""
     return all(
         tuple(n for n in array.shape if n > 1) in (shape, (shape[number],))
@@ -174,7 +180,7 @@ def _fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
     )
 
 
-def _axis(
+def _places_along_axis(
     number: int, arrays: dict[str, Array], units: str | None
 ) -> tuple[np.ndarray | None, float | None]:
     """Return places along an axis (0: y, 1: x) and their step, None if uneven, NaN without places.
@@ -229,7 +235,7 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
 
 def read_npy(path: Path) -> Contents:
     """Read one array, without units or spacing."""
-    return Contents(_array(lambda: path.open("rb")))
+    return Contents(_read_array(lambda: path.open("rb")))
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
@@ -237,14 +243,15 @@ def read_npz(path: Path, variable: str | None) -> Contents:
     with zipfile.ZipFile(path) as archive:
         arrays = {}
         for member in archive.namelist():
-            name, opened = member.removesuffix(".npy"), partial(archive.open, member)
+            name = member.removesuffix(".npy")
+            opened = partial(archive.open, member)
             with opened() as content:
-                head = _head(content)
-            arrays[name] = Array(*head, split_name(name)[1], partial(_array, opened))
+                head = _array_header(content)
+            arrays[name] = Array(*head, split_name(name)[1], partial(_read_array, opened))
         return grid_of(arrays, variable)
 
 
-def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
+def _array_header(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
     """Return the shape and type that the header of an array declares."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0
@@ -252,10 +259,10 @@ def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
     return shape, kind
 
 
-def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
+def _read_array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
     """Read an array up to the largest size; pickles are refused."""
     with opened() as file:
-        shape, kind = _head(file)
+        shape, kind = _array_header(file)
         if kind.kind != "U":  # a text beside heights, which is read if it is short
             check_array(shape, kind)
         file.seek(0)
@@ -265,9 +272,11 @@ def _array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     """Read a variable over y and x by the names of its dimensions; invalid values are NaN."""
     with netCDF4.Dataset(path) as dataset:
-        variables, arrays = dataset.variables, {}
+        variables = dataset.variables
+        arrays = {}
         for key, read in variables.items():
-            kind, load = np.dtype(read.dtype), partial(read.__getitem__, ...)
+            kind = np.dtype(read.dtype)
+            load = partial(read.__getitem__, ...)
             arrays[key] = Array(read.shape, kind, _stated_units(key, read), load)
         name = chosen(variable, arrays)
         dimensions = variables[name].dimensions
@@ -392,7 +401,9 @@ def read_raster(path: Path, driver: str) -> Contents:
                 heights = raster.scales[0] * real(raster.read(1, masked=True)) + raster.offsets[0]
             except RasterioIOError as error:  # its message leaves out the cause
                 raise error.__cause__ or error from None
-            transform, crs, units = raster.transform, raster.crs, raster.units[0]
+            transform = raster.transform
+            crs = raster.crs
+            units = raster.units[0]
             tags = raster.tags()
     if transform.is_identity:  # not stated
         (dy, dx), across, unread = _resolution_of(tags)
@@ -401,7 +412,9 @@ def read_raster(path: Path, driver: str) -> Contents:
     if along_x or along_y or dx <= 0.0:
         raise InputError("is turned or mirrored: columns must be along x, and rows along y")
     if dy < 0.0:
-        heights, top, dy = heights[::-1], top + dy * len(heights), -dy
+        top = top + dy * len(heights)
+        heights = heights[::-1]
+        dy = -dy
     across = crs.units_factor[0] if crs and crs.units_factor[0] != "unknown" else None
     return Contents(heights, (dy, dx), None, units, across, (top + 0.5 * dy, left + 0.5 * dx))
 
@@ -448,7 +461,8 @@ def read_scanner(path: Path, variable: str | None, refused: tuple[str, ...] = ()
     with opened as reader:
         if reader.format() in refused:
             raise InputError("is no file of a scanner")
-        channel, index = reader.default_channel, None
+        channel = reader.default_channel
+        index = None
         if variable is not None:
             names = [channel.name for channel in reader.channels]
             check_one_of("variable", variable, tuple(names))
@@ -461,6 +475,8 @@ def read_scanner(path: Path, variable: str | None, refused: tuple[str, ...] = ()
         if surface.dim != 2:
             raise InputError("contains a profile, must be a surface")
         # its arrays are (x, y)
-        heights, (dx, dy), units = surface.heights().T, surface.pixel_size, surface.unit
+        heights = surface.heights().T
+        dx, dy = surface.pixel_size
+        units = surface.unit
     spacing = (float(dy), float(dx)) if sized else (math.nan, math.nan)
     return Contents(heights, spacing, None, units, units)

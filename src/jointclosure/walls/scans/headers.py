@@ -94,11 +94,11 @@ def read_header(lines: Iterable[str]) -> Header:
         parts = re.split(r"[,;]\s+", line)
         several = len(parts) > 1 and all(re.search(r"[:=]", part) for part in parts)
         for part in parts if several else [line]:
-            header = _with(header, part)
+            header = _add_statement(header, part)
     return header
 
 
-def _with(header: Header, line: str) -> Header:
+def _add_statement(header: Header, line: str) -> Header:
     """Add the statement of one line to a header, if it has one."""
     tidy = line.strip().lstrip("#%/!; ").replace('"', " ").replace("\t", " : ")
     bare = re.sub(r"\s+", " ", re.sub(r"[\s:]*:[\s:]*", ": ", tidy)).strip(" :;,")
@@ -106,16 +106,16 @@ def _with(header: Header, line: str) -> Header:
     key_text, rest = [part for part in entry.groups() if part is not None] if entry else (bare, "")
     match = _VALUE.fullmatch(rest)
     if not entry or not match:
-        return _unread(header, bare)
+        return _add_unread(header, bare)
     name, of_name = split_name(key_text)
     key = re.sub(r"[\W_]", "", name).lower()
     value = float(match[1].replace(",", ".")) if match[1] else None
     unit = unit_in(match[2])
     if match[2] and unit is None:
-        return _unread(header, bare)
+        return _add_unread(header, bare)
     unit = same_units(bare, of_name, unit)
     if value is None:
-        return _with_units(header, key, unit, bare)
+        return _add_units(header, key, unit, bare)
     if key in _COUNTS and unit is None and value == int(value):
         counts = [*header.counts]
         if counts[_COUNTS[key]] not in (None, int(value)):
@@ -126,9 +126,9 @@ def _with(header: Header, line: str) -> Header:
         if value == 1.0:
             return header
         raise InputError(f"the file states {bare!r}: heights must be stored without a factor")
-    along = _along(key)
+    along = _kind_and_axes(key)
     if along is None:
-        return _unread(header, bare)
+        return _add_unread(header, bare)
     if not 0.0 < value < np.inf:
         raise InputError(f"the file states {bare!r}: must be positive and finite")
     kind, factors = along
@@ -138,7 +138,7 @@ def _with(header: Header, line: str) -> Header:
     return header._replace(steps=(*header.steps, statement))
 
 
-def _along(key: str) -> tuple[str, tuple[float, float]] | None:
+def _kind_and_axes(key: str) -> tuple[str, tuple[float, float]] | None:
     """Return whether a key is of "steps" or "sizes", and 1 for each axis (y, x) that it states."""
     axes = {0: (1.0, np.nan), 1: (np.nan, 1.0)}
     if key in _SIZES:
@@ -154,11 +154,11 @@ def _along(key: str) -> tuple[str, tuple[float, float]] | None:
     return {"pixelheight": ("steps", axes[0]), "pixelwidth": ("steps", axes[1])}.get(key)
 
 
-def _with_units(header: Header, key: str, unit: str | None, line: str) -> Header:
+def _add_units(header: Header, key: str, unit: str | None, line: str) -> Header:
     """Add the units that a line without a number states."""
     what = re.fullmatch(r"(\w*?)(?:axis)?units?(?:of)?(\w*)", key)
     if unit is None or what is None:
-        return _unread(header, line)
+        return _add_unread(header, line)
     about = what[1] or what[2]
     if about in ("", "length", "lengths", "all", "measurement"):
         kinds: tuple[str, ...] = ("height_units", "length_units")
@@ -167,12 +167,12 @@ def _with_units(header: Header, key: str, unit: str | None, line: str) -> Header
     elif about in _OF_PLACES:
         kinds = ("length_units",)
     else:
-        return _unread(header, line)
+        return _add_unread(header, line)
     stated: dict[str, Any] = {k: same_units(line, getattr(header, k), unit) for k in kinds}
     return header._replace(**stated)
 
 
-def _unread(header: Header, line: str) -> Header:
+def _add_unread(header: Header, line: str) -> Header:
     """Keep a line that mentions units or lengths and was not understood."""
     key = re.sub(r"[\W_]", "", re.split(r"[:=\t]", line)[0]).lower()
     words = re.split(r"[\s\[\](){}:=;,\"']+", line)

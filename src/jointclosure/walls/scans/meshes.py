@@ -24,9 +24,9 @@ def read_mesh(path: Path, variable: str | None = None) -> Contents:
     ``variable`` is the order of coordinates that are x, y and z, such as "3,1,2" or "z,x,y".
     """
     form = path.suffix.lower().removeprefix(".")
-    vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    vertices, faces, declared = _read_obj(path) if form == "obj" else _read_by_trimesh(path, form)
     header = read_header(_comments(path, form))
-    vertices = vertices[:, _columns(variable)]
+    vertices = vertices[:, _coordinate_order(variable)]
     count = len(vertices)
     if declared > count:
         contained = f"declares {declared} vertices, and contains {count}"
@@ -45,7 +45,7 @@ def read_mesh(path: Path, variable: str | None = None) -> Contents:
     return contents
 
 
-def _columns(variable: str | None) -> list[int]:
+def _coordinate_order(variable: str | None) -> list[int]:
     """Return the columns of x, y and z in the order that is stated."""
     known = dict(zip("xyz", range(3), strict=True)) | {str(n + 1): n for n in range(3)}
     words = [word.strip().lower() for word in (variable or "x,y,z").split(",")]
@@ -66,11 +66,13 @@ def _comments(path: Path, form: str) -> list[str]:
     return [line[len(mark) :] for line in lines for mark in marks if line.startswith(mark)]
 
 
-def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
+def _read_by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
     """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
     with needs("walls", form.upper()):
         import trimesh
-    points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
+    points = [np.empty((0, 3))]
+    faces = [np.empty((0, 3), dtype=int)]
+    count = 0
     with path.open("rb") as file:
         head = file.read(65_536).partition(b"end_header")[0]
         file.seek(0)
@@ -83,7 +85,7 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
     return np.concatenate(points), np.concatenate(faces), int(stated[1]) if stated else 0
 
 
-def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
+def _read_obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
     """Return vertices (n, 3), triangles (m, 3), declared number; trimesh drops loose vertices."""
     vertices: list[str] = []
     faces: list[list[int]] = []

@@ -40,12 +40,12 @@ def contents_of(
     along_x, along_y, height = units
     if along_x != along_y:
         raise InputError(f"x is in {along_x} and y in {along_y}: must be in the same units")
-    points, found = _cleaned(points)
+    points, found = _clean_points(points)
     if (contents := lattice_of(points)) is None:
         numbers = unique_places(points[:, :2])[1]
         if len(points) and numbers.max() + 1 < len(points):
             first = np.unique(numbers, return_index=True)[1]
-            places, heights, repeats = _merged(numbers, points)
+            places, heights, repeats = _merge_repeated(numbers, points)
             points = np.column_stack([points[first[places], :2], heights])[np.isfinite(heights)]
             found += repeats
         contents = Contents(points=points, remarks=(SCATTERED,))
@@ -53,7 +53,7 @@ def contents_of(
     return contents._replace(height_units=height, length_units=along_x, remarks=remarks)
 
 
-def _cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def _clean_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return points (n, 3) of a wall, NaN where a height is missing, and remarks."""
     points = points.astype(float)
     places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
@@ -91,7 +91,8 @@ class _Axis(NamedTuple):
 
     def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
         """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
-        low, high = int(self.node[on].min()), int(self.node[on].max())
+        low = int(self.node[on].min())
+        high = int(self.node[on].max())
         digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
         first = round(self.first + low * self.step, digits)
         return self.node[on].astype(int) - low, high - low + 1, first
@@ -103,16 +104,16 @@ def lattice_of(points: np.ndarray) -> Contents | None:
         return None
     # coordinates closer than a twentieth of the mean distance of points count as equal
     apart = 0.05 * float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
-    axes = [_axis_of(values, apart) for values in points[:, :2].T]
+    axes = [_find_axis(values, apart) for values in points[:, :2].T]
     remarks: tuple[str, ...] = ()
     if not _has_all_lines(axes):
         rounded = [_rounded_axis(values, apart) for values in points[:, :2].T]
         if None not in rounded:
-            axes, remarks = _of_equal_steps(rounded, points)
+            axes, remarks = _equalise_steps(rounded, points)
     x, y = axes
     if x is None or y is None:
         return None
-    on, allowed = _on_nodes(x, y)
+    on, allowed = _points_on_nodes(x, y)
     if on.mean() < 0.9:  # scattered
         return None
     (column, nx, x_first), (row, ny, y_first) = (axis.numbered(on) for axis in (x, y))
@@ -125,15 +126,19 @@ def lattice_of(points: np.ndarray) -> Contents | None:
     followed = (occupied[1:] & occupied[:-1]).sum(), (occupied[:, 1:] & occupied[:, :-1]).sum()
     if min(followed) < 0.5 * occupied.sum():  # few have a point at the next node: staggered
         return None
-    places, heights, repeats = _merged(numbers, points[on])
+    places, heights, repeats = _merge_repeated(numbers, points[on])
     grid = np.full(nx * ny, np.nan)
     grid[places] = heights
-    remarks += repeats + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied)
+    remarks += (
+        repeats
+        + _irregularity_cautions(points, x, y, on, allowed)
+        + _describe_empty_nodes(occupied)
+    )
     contents = Contents(grid.reshape(ny, nx), (y.step, x.step), origin=(y_first, x_first))
     return contents._replace(remarks=remarks)
 
 
-def _on_nodes(x: _Axis, y: _Axis) -> tuple[np.ndarray, float]:
+def _points_on_nodes(x: _Axis, y: _Axis) -> tuple[np.ndarray, float]:
     """Return which points lie on the nodes of two axes, and the distance allowed [steps]."""
     offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
     allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
@@ -143,13 +148,13 @@ def _on_nodes(x: _Axis, y: _Axis) -> tuple[np.ndarray, float]:
 def _has_all_lines(axes: Sequence[_Axis | None]) -> bool:
     """Return whether most points lie on the nodes of axes, and few lines of nodes are empty."""
     x, y = axes
-    if x is None or y is None or (on := _on_nodes(x, y)[0]).mean() < 0.9:
+    if x is None or y is None or (on := _points_on_nodes(x, y)[0]).mean() < 0.9:
         return False
     lines = [np.unique(axis.node[on]) for axis in (x, y)]
     return all(np.ptp(line) + 1 - len(line) < _LEAST_UNEVEN for line in lines)
 
 
-def _of_equal_steps(
+def _equalise_steps(
     axes: Sequence[_Axis | None], points: np.ndarray
 ) -> tuple[list[_Axis | None], tuple[str, ...]]:
     """Give axes of rounded places one step if they differ by no more than rounding; and remarks."""
@@ -167,7 +172,7 @@ def _of_equal_steps(
     return [*known], tuple(remarks)
 
 
-def _irregular(
+def _irregularity_cautions(
     points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
 ) -> tuple[Caution, ...]:
     """Warn of points off the nodes that were left out, and of those that were moved to nodes."""
@@ -188,9 +193,10 @@ def _irregular(
     return tuple(map(caution, remarks))
 
 
-def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
+def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
-    empty, inside = int((~occupied).sum()), int(gaps(occupied).sum())
+    empty = int((~occupied).sum())
+    inside = int(gaps(occupied).sum())
     about = f"{empty} of {occupied.size} nodes of the points' grid have no point"
     if inside <= MOST_AMBIGUOUS * occupied.size:
         return (about,) if empty else ()
@@ -198,7 +204,7 @@ def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     return (caution(f"{about}, {share}: is the file incomplete?"),)
 
 
-def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
+def _find_axis(values: np.ndarray, apart: float) -> _Axis | None:
     """Find the evenly spaced nodes that most values have; None if fewer than three occur."""
     levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
     group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
@@ -218,7 +224,8 @@ def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
     for _ in range(3):
         offset = (values - first) / step - (node := np.round((values - first) / step))
         on = np.abs(offset) <= max(_OUTLYING * np.median(np.abs(offset)), 1e-6)
-        centred, mean = node[on] - node[on].mean(), values[on].mean()
+        centred = node[on] - node[on].mean()
+        mean = values[on].mean()
         if not centred.any():
             return None
         step = float(np.sum(centred * (values[on] - mean)) / np.sum(centred**2))
@@ -269,7 +276,7 @@ def _check_resolution(points: np.ndarray, occupied: np.ndarray) -> None:
         )
 
 
-def _merged(
+def _merge_repeated(
     numbers: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
     """Return numbers of places with a height, heights (NaN if there are several), and remarks."""
@@ -279,7 +286,8 @@ def _merged(
     places, start, count = np.unique(numbers[known], return_index=True, return_counts=True)
     if len(places) == len(known):
         return places, heights, ()
-    low, high = np.minimum.reduceat(heights, start), np.maximum.reduceat(heights, start)
+    low = np.minimum.reduceat(heights, start)
+    high = np.maximum.reduceat(heights, start)
     several = high - low > 1e-6 * np.ptp(heights)
     if several.sum() > MOST_AMBIGUOUS * len(places):
         at = int(np.argmax(high - low))

@@ -14,14 +14,17 @@ from jointclosure.walls.scan_quality import step_of
 _SAMPLE = 2000  # most points whose neighbours are compared
 _NEIGHBOURS = 12  # of a point, so many that both sheets have some
 _LEAST_POINTS = 100  # fewer points are judged by later checks
-_SMOOTH, _ROUGH = 0.5, 0.3  # scatter of neighbours over that of all: along the normal, across it
-_APART, _TWO_LEVELS = 0.55, 1.75  # scatter and median kurtosis of neighbours on two sheets
+_SMOOTH = 0.5  # scatter of neighbours over that of all points below which they lie on one sheet
+_ROUGH = 0.3  # the same above which heights along z may be those of a sheet along another axis
+_APART = 0.55  # the same above which neighbours may lie on two sheets
+_TWO_LEVELS = 1.75  # median kurtosis of neighbours below which they lie on two sheets
 _FLAT = 1e-9  # deviation from a plane over the heights that is rounding
 _THIN = 0.05  # largest thickness of a rough or flat sheet over its shorter side
 _LEAST_GAP = 0.06  # of two sheets, over the standard deviation of all heights
 _SPLIT = 0.5  # share of neighbourhoods in which a gap is more than half of their height: two sheets
 _STEEP_SHARE = 0.05  # of points with another far above or below them: faces of a solid
-_NEAR, _AT_ONE_PLACE = 0.3, 0.02  # distance of such points over the mean one; of a rough sheet
+_NEAR = 0.3  # largest distance of such points in the plan, over the mean one of all points
+_AT_ONE_PLACE = 0.02  # the same of a rough sheet, on which near points have different heights
 _FAR = 0.2  # height of such points above each other over that of all
 _INEXACT = 0.05  # largest step of coordinates in single precision, over the distance of points
 _PATCH = 0.1  # share of points of a second patch that is a wall
@@ -49,7 +52,8 @@ class _Neighbours(NamedTuple):
 
 def _neighbours(points: np.ndarray, axis: int) -> _Neighbours:
     """Find the neighbours of a sample of points in the plan across an axis."""
-    plan, heights = np.delete(points, axis, axis=1), points[:, axis]
+    plan = np.delete(points, axis, axis=1)
+    heights = points[:, axis]
     plan = plan - plan.mean(axis=0)
     columns = np.column_stack([plan, np.ones(len(plan))])
     level = heights - columns @ np.linalg.lstsq(columns, heights, rcond=None)[0]
@@ -72,16 +76,18 @@ def check_sheet(points: np.ndarray) -> None:
     seen = _neighbours(points, 2)
     _check_upright(points, seen.scatter)
     ordered = np.sort(seen.heights, axis=1)
-    steps, height = np.diff(ordered, axis=1), np.ptp(ordered, axis=1)
+    steps = np.diff(ordered, axis=1)
+    height = np.ptp(ordered, axis=1)
     split = steps[:, 2:-2].max(axis=1) > 0.5 * height
     split &= height > _LEAST_GAP * float(np.std(seen.all_heights))
-    if split.mean() > _SPLIT or _two_levels(seen):
+    if split.mean() > _SPLIT or _has_two_levels(seen):
         gap = 2.0 * float(np.median(np.std(seen.heights, axis=1)))
         raise InputError(
             f"the points lie on two sheets above each other, about {gap:.2g} apart: {TWO_WALLS}, "
             "and passes of a scanner must fit each other"
         )
-    tall, area = np.ptp(seen.all_heights), float(np.prod(np.ptp(points[:, :2], axis=0)))
+    tall = np.ptp(seen.all_heights)
+    area = float(np.prod(np.ptp(points[:, :2], axis=0)))
     near = _NEAR if seen.scatter < _ROUGH else _AT_ONE_PLACE
     beside = seen.apart[:, 1:] < near * np.sqrt(area / len(points))
     if seen.scatter >= _ROUGH:
@@ -96,7 +102,7 @@ def check_sheet(points: np.ndarray) -> None:
         )
 
 
-def _two_levels(seen: _Neighbours) -> bool:
+def _has_two_levels(seen: _Neighbours) -> bool:
     """Return whether neighbours are far apart and on two levels, which are not those of rounding.
 
     The kurtosis of 13 heights is 2.3 on rough walls, 2.0 for uniform noise, 1.3 to 1.65 on the two
@@ -164,22 +170,22 @@ def check_exact(points: np.ndarray) -> None:
     for name, values in zip("xyz", points.T, strict=True):
         step = in_single_precision(values)
         if name != "z" and step > _INEXACT * distance:
-            raise InputError(_inexact(name, values, step, f"points are {distance:.3g} apart"))
+            raise InputError(
+                _inexact_message(name, values, step, f"points are {distance:.3g} apart")
+            )
 
 
 def check_exact_heights(differences: np.ndarray, heights: np.ndarray) -> None:
     """Raise `InputError` if single precision is coarser than the differences of neighbours."""
     known = differences[np.isfinite(differences)]
-    step, usual = (
-        in_single_precision(heights),
-        float(np.sqrt(np.mean(known**2))) if known.size else 0.0,
-    )
+    step = in_single_precision(heights)
+    usual = float(np.sqrt(np.mean(known**2))) if known.size else 0.0
     if step > usual > 0.0:
         among = f"neighbours differ by {usual:.3g} (rms)"
-        raise InputError(_inexact("z", heights, step, among))
+        raise InputError(_inexact_message("z", heights, step, among))
 
 
-def _inexact(name: str, values: np.ndarray, step: float, among: str) -> str:
+def _inexact_message(name: str, values: np.ndarray, step: float, among: str) -> str:
     largest = float(np.nanmax(np.abs(values)))
     return (
         f"{name} is stored in single precision, in which values up to {largest:.6g} have steps of "

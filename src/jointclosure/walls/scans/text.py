@@ -79,7 +79,8 @@ def _matrix(table: Table) -> Contents | None:
         values = np.vstack([[np.nan, *x], values])
     elif values.shape[1] < LEAST_COLUMNS:
         return None
-    places, heights = (values[0, 1:], values[1:, 0]), values[1:, 1:]
+    places = (values[0, 1:], values[1:, 0])
+    heights = values[1:, 1:]
     row, column = map(are_places, places)
     if table.names and not (row and column):
         return None
@@ -107,7 +108,8 @@ def read_matrix(path: Path) -> Contents:
     """Read a text file as one matrix (y, x), of heights or of places."""
     with reading_as("a matrix"):
         table = read_table(path)
-    height_units, unread = table.header.height_units, table.header.unread
+    height_units = table.header.height_units
+    unread = table.header.unread
     return Contents(table.values, height_units=height_units, remarks=table.remarks, unread=unread)
 
 
@@ -119,7 +121,8 @@ def unit_of_column(table: Table, column: int) -> str | None:
 
 def _columns(table: Table, variable: str | None) -> list[int]:
     """Return the numbers of the columns of x, y and z."""
-    names, width = table.names, table.values.shape[1]
+    names = table.names
+    width = table.values.shape[1]
     must = f"or {VARIABLE} must state them, such as 1,2,3"
     if variable is None and not names and width != 3:
         raise InputError(
@@ -152,14 +155,14 @@ def read_table(path: Path, axes: Sequence[set[str]] = ({"x", "y", "z"},)) -> Tab
     content = path.read_bytes()
     if not is_text(content):
         raise InputError("is not text: it contains binary data")
-    lines = _decoded(content).splitlines()
+    lines = _decode(content).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
     head = lines[:start]
     kept = [line for line in lines[start:] if line.strip()]
     lines = [line for line in kept if not line.lstrip().startswith(COMMENTS)]
     head += [line for line in kept if line.lstrip().startswith(COMMENTS)]
-    names, units, remarks, others = _names(
-        head, len(_form_of(lines[0]).words(lines[0])) if lines else 0, axes
+    names, units, remarks, others = _find_names(
+        head, len(_detect_form(lines[0]).words(lines[0])) if lines else 0, axes
     )
     if start is None:
         if not lines:
@@ -167,11 +170,12 @@ def read_table(path: Path, axes: Sequence[set[str]] = ({"x", "y", "z"},)) -> Tab
         where = " below the names" if names else ""
         last = lines[-1].strip()[:60]
         raise InputError(f"has no line of numbers{where}; there is {last!r}")
-    form = _form_of(lines[0])
-    row, following = form.numbers(lines[0]), form.words(lines[1]) if len(lines) > 1 else []
+    form = _detect_form(lines[0])
+    row = form.numbers(lines[0])
+    following = form.words(lines[1]) if len(lines) > 1 else []
     if len(following) == len(row) + 1 and following[-1] and are_places(np.array(row)):
         lines[0] = f"nan{form.separator or ' '}{lines[0].strip()}"  # x of a frame without a corner
-    values = _values(lines, form, names, remarks)
+    values = _read_values(lines, form, names, remarks)
     width = values.shape[1]
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
@@ -181,14 +185,15 @@ def read_table(path: Path, axes: Sequence[set[str]] = ({"x", "y", "z"},)) -> Tab
     return Table(values, names, units, tuple(remarks), read_header(others))
 
 
-def _values(lines: list[str], form: _Form, names: list[str], remarks: list[str]) -> np.ndarray:
+def _read_values(lines: list[str], form: _Form, names: list[str], remarks: list[str]) -> np.ndarray:
     """Return numbers (rows, columns) of lines, NaN in shorter ones; add remarks on other lines."""
     counts = np.array([len(form.words(line)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
         longest = lines[int(counts.argmax())].strip()[:60]
         raise InputError(f"{longest!r} has {counts.max()} numbers, other lines have {width}")
-    values, repeated = np.full((len(lines), width), np.nan), []
+    values = np.full((len(lines), width), np.nan)
+    repeated = []
     for row in np.flatnonzero(counts == width).tolist():
         try:
             values[row] = form.numbers(lines[row])
@@ -223,7 +228,7 @@ def is_text(start: bytes) -> bool:
     return start.startswith(_UTF_16) or not _BINARY.search(start)
 
 
-def _decoded(content: bytes) -> str:
+def _decode(content: bytes) -> str:
     if content.startswith(_UTF_16):
         return content.decode("utf-16")
     try:
@@ -232,7 +237,7 @@ def _decoded(content: bytes) -> str:
         return content.decode("latin-1")  # for the micro sign of older instruments
 
 
-def _form_of(line: str) -> _Form:
+def _detect_form(line: str) -> _Form:
     for mark in (";", "\t"):
         if mark in line.strip():
             return _Form(mark, "," if "," in line and "." not in line else ".")
@@ -245,18 +250,20 @@ def _form_of(line: str) -> _Form:
 def _is_data(line: str) -> bool:
     """Return whether a line has at least two numbers, and otherwise only missing values."""
     try:
-        return int(np.isfinite(_form_of(line).numbers(line)).sum()) >= 2
+        return int(np.isfinite(_detect_form(line).numbers(line)).sum()) >= 2
     except ValueError:
         return False
 
 
-def _names(
+def _find_names(
     head: list[str], width: int, axes: Sequence[set[str]]
 ) -> tuple[list[str], list[str | None], list[str], list[str]]:
     """Return names of columns (also of a comment), their units, remarks, and the other lines."""
     names: list[str] = []
     units: list[str | None] = []
-    remarks, fields, others = [], [], []
+    remarks = []
+    fields = []
+    others = []
     for number, line in enumerate(map(str.strip, head), start=1):
         comment = line.startswith(COMMENTS)
         words = _split_names(line.lstrip("#%/! ") if comment else line)

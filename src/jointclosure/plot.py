@@ -47,7 +47,8 @@ def curves(
         Whether to draw gross closure, with the elastic indentation of the half-spaces.
     """
     check_one_of("since", since, ("touch", "seating", "cycle"))
-    history, axes = _history(joint), _axes(axes)
+    history = _history(joint)
+    axes = _axes(axes)
     if "realization" in history.dims:
         if since != "touch":
             raise InputError(f"since = {since!r}: must be touch for an ensemble")
@@ -86,7 +87,8 @@ def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
 def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
     """Draw a map of heights (y, x) [m] on a grid of a spacing [m]."""
     check_length("spacing", spacing)
-    axes, heights = _axes(axes), np.asarray(heights)
+    axes = _axes(axes)
+    heights = np.asarray(heights)
     image = draw_heights(axes, heights, spacing, float(np.nanmax(np.abs(heights))))
     image.set_interpolation("nearest")
     axes.figure.colorbar(image, ax=axes, label="height (mm)")
@@ -110,7 +112,9 @@ def walls(
     """
     pair = getattr(upper, "pair", upper)
     if lower is None and hasattr(pair, "spacing") and hasattr(pair, "lower"):
-        upper, lower, spacing = pair.upper, pair.lower, pair.spacing
+        upper = pair.upper
+        lower = pair.lower
+        spacing = pair.spacing
     if lower is None or spacing is None:
         raise InputError("walls: must be upper, lower and spacing=, or a joint that has them")
     check_length("spacing", spacing)
@@ -142,7 +146,8 @@ def damage(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
 
 
 def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axes:
-    history, axes = _history(joint), _axes(axes)
+    history = _history(joint)
+    axes = _axes(axes)
     count = history.sizes.get("snapshot", 0)
     if not -count <= snapshot < count:
         raise InputError(
