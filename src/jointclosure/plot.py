@@ -59,6 +59,7 @@ def curves(
 
 
 def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
+    """Draw the closure of each joint of an ensemble as a thin line, their mean as a thick one."""
     stress = 1e-6 * ensemble.stress.values
     closures = ensemble.closure if gross else ensemble.closure - ensemble.bulk_indentation
     for index, number in enumerate(ensemble.cycle.values):
@@ -146,6 +147,7 @@ def damage(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
 
 
 def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axes:
+    """Draw one of `MAPS` of a snapshot, with its bar of colours; check the snapshot."""
     history = _history(joint)
     axes = _axes(axes)
     count = history.sizes.get("snapshot", 0)
@@ -161,8 +163,10 @@ def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axe
 
 
 def _history(joint: Joint) -> xr.Dataset:
+    """Return the history of a joint, which a closed scanned joint contains."""
     return joint if isinstance(joint, xr.Dataset) else joint.history
 
 
 def _axes(axes: Axes | None) -> Axes:
+    """Return axes, those of a new figure if none are given."""
     return plt.subplots(layout="constrained")[1] if axes is None else axes

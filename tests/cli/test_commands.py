@@ -9,6 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.cli import doctor
 from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.status import STATUSES
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import COARSE, SPACING
 
@@ -56,6 +57,8 @@ def test_a_failed_simulation_has_its_status_in_words_and_fails(command, monkeypa
     code, out, _ = command("simulate", "--rock", "slate", *SMALL)
     assert code == 1
     assert "failed: outside_model_range, rigid_contact" in out
+    for flag in (STATUSES[2], STATUSES[64]):  # what to do is on the screen
+        assert f"- {flag.name}: {flag.meaning}; {flag.remedy}\n" in out
 
 
 OF_CURVE = ["--rock", "granite", "--jrc", "10", "--cells", "12", "--surfaces", "4"]

@@ -16,7 +16,7 @@ from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes, registered_walls
 from jointclosure.walls import motion
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
-from jointclosure.walls.outliers import spikes, without_plateaus, without_spikes
+from jointclosure.walls.outliers import remove_plateaus, remove_spikes, spikes
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
@@ -254,7 +254,7 @@ def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_conta
 def test_a_flat_and_a_stepped_wall_keep_their_heights(joint):
     steps = np.indices(SHAPE)[1] // 12 * 1e-4
     for wall in (np.zeros(SHAPE), steps, np.where(joint[1] > 0.0, joint[1], 0.0)):
-        assert np.isfinite(without_plateaus(grid(wall)).heights).all()
+        assert np.isfinite(remove_plateaus(grid(wall)).heights).all()
 
 
 def test_what_the_other_scan_did_not_see_is_left_out_with_the_hole_beside_it(walls):
@@ -422,10 +422,10 @@ def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
     spiked[30, 31] += 2e-3
     spiked[60, 20] -= 2e-3
     spiked[60, 21] -= 2.2e-3  # two beside each other
-    left, about = without_spikes(grid(spiked))
+    left, about = remove_spikes(grid(spiked))
     np.testing.assert_array_equal(np.isnan(left.heights), spiked != wall)
     assert about.startswith("3 of 4608 points are spikes")
-    cloud, about_cloud = without_spikes(Cloud(points_of(grid(spiked))))
+    cloud, about_cloud = remove_spikes(Cloud(points_of(grid(spiked))))
     assert len(cloud.points) == wall.size - 3
     assert about_cloud == about
 

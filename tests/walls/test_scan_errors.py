@@ -13,7 +13,7 @@ from jointclosure.walls.gridding import Cloud, Scan, filled, points_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
 from jointclosure.walls.scan_defects import inspected
-from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
+from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
     noise_of_points,
     noise_of_scan,
@@ -400,7 +400,7 @@ def test_heights_of_one_wall_in_another_scale_are_warned_of_and_in_the_range(sca
 
 def test_walls_that_do_not_mate_have_no_scale():
     upper, lower = jc.wall_pair(8.0, SHAPE, SPACING, 1, correlation=0.0)
-    assert not differs(*scale_of(1.5 * upper, lower))
+    assert not scales_differ(*scale_of(1.5 * upper, lower))
 
 
 def test_rounding_that_changes_the_sum_of_the_walls_is_in_the_noise_of_the_range(walls):

@@ -10,6 +10,7 @@ import jointclosure as jc
 from jointclosure.walls.gridding import (
     Cloud,
     Scan,
+    fill_dropouts,
     filled,
     grid_nodes,
     heights_between,
@@ -19,7 +20,6 @@ from jointclosure.walls.gridding import (
     point_distance,
     points_of,
     wall_on_grid,
-    without_dropouts,
 )
 from jointclosure.walls.levelling import levelled, levelled_together
 from jointclosure.walls.registration import registered
@@ -220,7 +220,7 @@ def test_a_strip_beside_the_rim_of_a_scan_is_not_filled_between_its_far_ends():
     wall = np.random.default_rng(0).standard_normal((12, 9)).cumsum(axis=0)
     wall[2:10, 0] = np.nan  # known at both ends of the column, with nothing beyond it
     wall[5, 4] = wall[8, 3:5] = np.nan
-    whole = without_dropouts(wall, holes(np.isfinite(wall)))
+    whole = fill_dropouts(wall, holes(np.isfinite(wall)))
     np.testing.assert_array_equal(np.isnan(whole), np.isnan(wall) & (np.arange(9) == 0))
 
 

@@ -70,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""
     spent = duration(time.perf_counter() - start)
-    print(f"{results.status_text(joint.history)}; {spent} in all{above}", wrote, sep="\n")
+    status, *remedies = results.status_lines(joint.history)
+    print(f"{status}; {spent} in all{above}", *remedies, wrote, sep="\n")
     return int(results.failed(joint.history))
 
 

@@ -14,7 +14,7 @@ from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import JointLaws
-from jointclosure.joint.status import FAILURE, LOADING
+from jointclosure.joint.status import FAILURE, LOADING, STATUSES
 from jointclosure.joint.tables import (
     HYDRAULIC,
     ONLY_BOUNDS,
@@ -240,6 +240,15 @@ def status_text(closed: xr.Dataset) -> str:
     remarks = ", ".join(name for mask, name in named if status & int(mask))
     word = "failed" if failed(closed) else "success"
     return f"{word}: {remarks}" if remarks else word
+
+
+def status_lines(closed: xr.Dataset) -> list[str]:
+    """Return the status, and below it the meaning and the remedy of each of its flags."""
+    flags = [flag for bit, flag in STATUSES.items() if int(closed.status) & bit]
+    return [
+        status_text(closed),
+        *(f"- {flag.name}: {flag.meaning}; {flag.remedy}".replace("`", "") for flag in flags),
+    ]
 
 
 def attributes(settings: Mapping[str, Any]) -> dict[str, str]:

@@ -23,7 +23,7 @@ from jointclosure.walls.gridding import (
 )
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.measures import Measure, measure_wall
-from jointclosure.walls.outliers import without_spikes
+from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.profiles import levelled_profile, measure_profile, read_profile
 from jointclosure.walls.registration import registered
@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     scan = read_scan(arguments.file, **options.given(arguments, options.SCANS))
     try:
         scan = inspected(scan)
-        kept, spikes = without_spikes(scan)
+        kept, spikes = remove_spikes(scan)
         if arguments.spikes == "cut":
             scan = kept
         measured = scan  # levelling interpolates the heights of grids

@@ -78,7 +78,8 @@ def run(arguments: argparse.Namespace) -> int:
     laws = laws_of_joint(jrc, strength, seating, cycles, **lengths)
     curves = stress_table(closed, table_levels(closed, arguments.at))
     print(results.summary(closed, laws, curves, at=arguments.at)[0])
-    print(f"{results.status_text(closed)}; {duration(time.perf_counter() - start)}")
+    status, *remedies = results.status_lines(closed)
+    print(f"{status}; {duration(time.perf_counter() - start)}", *remedies, sep="\n")
     closed.attrs |= {"joint": title} | results.attributes(about | stated)
     closed = results.write_animation(closed, arguments, title)
     files: dict[Any, Any] = {arguments.output: closed}

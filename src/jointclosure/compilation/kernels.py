@@ -32,7 +32,7 @@ from jointclosure.compilation.sources import PACKAGE, cache_root, code_digest
 
 SHIPPED = PACKAGE / "compiled"
 """Machine code in the package, made by ``python -m jointclosure.joint.warmup ship``."""
-X86 = platform.machine() in ("x86_64", "AMD64")
+X86 = platform.machine() in ("x86_64", "AMD64")  # names of one kind of processor
 PROCESSOR = "x86-64-v3" if X86 else "generic"
 """Processor of shipped code: it takes the time of code for a newer one, and gives the same bits."""
 FEATURES = {"+avx2", "+bmi", "+bmi2", "+f16c", "+fma", "+lzcnt", "+movbe"} if X86 else set()

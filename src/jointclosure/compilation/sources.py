@@ -20,7 +20,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TypeGuard
 
-PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).parents[1]  # folder of jointclosure
 ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
 """Folders of the packages whose code counts; that of studies exists in a clone only."""
 SHOWN_BY = {"entry": "studies/paper/report/content.py"}
@@ -160,6 +160,7 @@ def _path_of_name(name: str) -> Path:
 
 
 def _files_of(name: str) -> set[Path]:
+    """Return the files of a module or package by its name, full or below the package."""
     top, *parts = name.split(".")
     base = (
         ROOTS[top].joinpath(*parts)
@@ -179,6 +180,7 @@ def _package() -> set[Path]:
 
 
 def _module_name(file: Path) -> str:
+    """Return the name of a file's module below the package."""
     parts = file.relative_to(ROOTS["jointclosure"]).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -242,6 +244,7 @@ def _used_statements(file: Path, function: str) -> list[ast.AST]:
 
 
 def _stores_name(part: ast.AST) -> TypeGuard[ast.Name]:
+    """Return whether a part of the syntax is a name to which a value is assigned."""
     return isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store)
 
 

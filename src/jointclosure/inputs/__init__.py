@@ -117,11 +117,13 @@ def check_length(name: str, value: float) -> None:
 
 
 def check_positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:
+    """Raise `InputError` unless a value in a unit is positive, and finite or may be infinite."""
     check_number(name, value)
     if not value > 0.0 or (math.isinf(value) and not may_be_infinite):
         raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
 
 
 def check_one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
+    """Raise `InputError` unless a value is one of the allowed words."""
     if not isinstance(value, str) or value not in allowed:
         raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")

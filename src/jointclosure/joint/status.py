@@ -1,17 +1,56 @@
 """Status bits and branches of a closed joint, apart from its computation: tables need no solver."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
-FLAGS = {
-    1: "target_jumped",
-    2: "outside_model_range",
-    16: "not_converged",
-    32: "breakage_not_at_rest",
-    64: "rigid_contact",
-    128: "stress_not_reached",
-    256: "too_many_steps",
+
+class Flag(NamedTuple):
+    """A bit of the status of a simulation: its name, what happened, and what to do."""
+
+    name: str
+    meaning: str
+    remedy: str
+
+
+STATUSES = {
+    1: Flag(
+        "target_jumped",
+        "breakage made the stress jump over the target, and the maximum is the last state below it",
+        "take smaller steps or `breakage: resolved`; on small joints a jump is the answer",
+    ),
+    2: Flag(
+        "outside_model_range",
+        "contacts that cannot break (flat or locked) carried over 10 % of the force at a maximum",
+        "read results at lower stresses, or with care",
+    ),
+    16: Flag(
+        "not_converged",
+        "forces did not reach equilibrium",
+        "report the joint to the authors, as no such case is known",
+    ),
+    32: Flag(
+        "breakage_not_at_rest",
+        "breakage continued beyond `most_breakage_steps`",
+        "take larger breakage steps, a `largest_radius_mm`, or a larger bound",
+    ),
+    64: Flag(
+        "rigid_contact",
+        "a flat contact without substrate overlapped",
+        "switch the substrate on",
+    ),
+    128: Flag(
+        "stress_not_reached",
+        "the target is not reached at twice the depth of all voids",
+        "lower the maximum stress, or switch gouge on",
+    ),
+    256: Flag(
+        "too_many_steps",
+        "loading needs more than `most_steps` displacement steps",
+        "take larger displacement steps, or a larger bound",
+    ),
 }
 """Bits of a simulation's status: below `FAILURE` remarks on a success, from it on failures."""
+FLAGS = {bit: flag.name for bit, flag in STATUSES.items()}
+"""Names of the bits."""
 TARGET_JUMPED, OUTSIDE_MODEL_RANGE, FAILURE, *_ = FLAGS
 LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
 BRANCHES = LOADING, UNLOADING = "loading", "unloading"

@@ -12,19 +12,20 @@ from jointclosure.statistics.standard_errors import CONFIDENCE
 
 
 class Quantity(NamedTuple):
-    """Quantity of a curve in words, with its unit, values (...), and their standard errors."""
+    """Quantity that is read of a measured curve, or of simulated joints."""
 
-    name: str
+    name: str  # in words
     unit: str
-    values: np.ndarray
-    error: np.ndarray
+    values: np.ndarray  # (...)
+    error: np.ndarray  # standard errors (...) of the values
     first_loading: bool  # whether it is of the first loading alone
 
 
 def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> list[Quantity]:
-    """Compute closure at the maximum, stiffness, and the share that stays, of every cycle.
+    """Compute closure at the maximum, stiffness, and the share of closure that stays, by cycle.
 
-    Later stiffnesses over the first come last. ``error`` is the relative one of values (..., n).
+    ``values`` (..., n) are readings with a relative ``error``. Ratios of later stiffnesses to the
+    first come last.
     """
     places = readings.places()
     result = []

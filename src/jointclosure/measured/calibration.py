@@ -19,7 +19,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.logs import LEAST_POINTS, exceeding
+from jointclosure.measured.logs import LEAST_POINTS, exceeds_former
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
 from jointclosure.statistics.two_level import Interval
 
@@ -90,7 +90,10 @@ class Likelihood(NamedTuple):
         return int(i), int(j)
 
     def nodes(self, place: Sequence[int], counts: Sequence[int]) -> tuple[int, int]:
-        """Return the place, of so many closed wavelengths and strengths, next to a fine one."""
+        """Return the closed wavelength and strength next to a ``place`` on the likelihood's grid.
+
+        ``counts`` are the numbers of closed wavelengths and strengths.
+        """
         i, j = (
             round(at / max(fine - 1, 1) * (count - 1))
             for at, fine, count in zip(place, self.log.shape, counts, strict=True)
@@ -173,7 +176,7 @@ def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: f
             f"cycles; they meet at line {lines}"
         )
     plain = [b for c in curve.cycles for b in curve.ascending(c).values() if not b.averaged]
-    if passed_over := sum(int((~exceeding(branch.stress)).sum()) for branch in plain):
+    if passed_over := sum(int((~exceeds_former(branch.stress)).sum()) for branch in plain):
         sentences.append(caution(
             f"{passed_over} of {curve.stress.size} measured points do not exceed all stresses "
             "before them on their branch and are not read, which biases readings if stresses "
@@ -245,7 +248,10 @@ def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Read
 
 
 def logs_of(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
-    """Return logarithms of readings (..., n) of closures as above, NaN where one is not above 0."""
+    """Return logarithms of `readings_of_closures` (..., n).
+
+    All readings of a joint are NaN if one of them is not above 0.
+    """
     with np.errstate(invalid="ignore"):
         values = readings_of_closures(closures, stresses, asked)
         return np.log(np.where((values > 0.0).all(axis=-1, keepdims=True), values, np.nan))

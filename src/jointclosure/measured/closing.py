@@ -39,10 +39,10 @@ ADVICE = "check rock, roughness, roll-off, size and units"
 
 
 class Later(NamedTuple):
-    """What differs after the first loading: shift of the upper wall [cells], and a choice."""
+    """What is different in loadings after the first one."""
 
-    shift: int = 0
-    crushed_strength_ratio: float = 1.0
+    shift: int = 0  # of the upper wall along x [cells]
+    crushed_strength_ratio: float = 1.0  # strength of crushed rock over that of the rock
 
 
 class Joints(NamedTuple):
@@ -84,7 +84,11 @@ class Joints(NamedTuple):
             raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
 
     def closures(self) -> np.ndarray:
-        """Close all; (laters, wavelengths, strengths, surfaces, cycles, 2, stresses) [m]."""
+        """Close all joints; return closures [m] at `stresses`, NaN for joints that failed.
+
+        They are (laters, wavelengths, strengths, surfaces, cycles, 2, stresses), with loading and
+        unloading along the last axis but one.
+        """
         surfaces = self.asked.joint.surfaces
         wavelengths = self.asked.wavelengths.size
         closures = self._close_missing(
@@ -188,7 +192,10 @@ def close_surface(
     scans: Any,
     report: Any,
 ) -> xr.Dataset:
-    """Close a surface at each strength, by number, and all that may follow its first loading."""
+    """Close one surface at each strength, and then in each way that may follow its first loading.
+
+    ``numbered`` are the strengths [Pa] by the numbers of the joints.
+    """
     levels = np.array(stresses)
     once_cycles = 1 if tuple(laters) != (Later(),) else cycles
     closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)

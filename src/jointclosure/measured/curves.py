@@ -30,6 +30,7 @@ from jointclosure.measured.headings import (
 )
 
 _ALLOWED = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": {}}
+"""Quantities of the columns of a curve, and their units."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
 _SPECIMENS = ("specimen", "specimen_id", "sample", "sample_id", "joint", "joint_id", "test_id")
@@ -75,7 +76,7 @@ class MeasuredCurve(NamedTuple):
         here = self.cycle == cycle
         stress = self.stress[here]
         closure = self.closure[here]
-        top = logs.top_of(stress) + 1
+        top = logs.place_of_largest(stress) + 1
         back = slice(None, top - 1 if top else None, -1)
         return {
             LOADING: logs.averaged(stress[:top], closure[:top]),
@@ -90,7 +91,7 @@ class MeasuredCurve(NamedTuple):
     def first_loading(self) -> "MeasuredCurve":
         """Return the curve up to the largest stress of its first cycle."""
         here = np.flatnonzero(self.cycle == self.cycle.min())
-        here = here[: logs.top_of(self.stress[here]) + 1]
+        here = here[: logs.place_of_largest(self.stress[here]) + 1]
         return MeasuredCurve(*(column[here] for column in self))
 
     def since_seating(self, cycle: int, seating_stress: float):
@@ -227,7 +228,8 @@ def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
     ends = [0, *logs.troughs(curve.stress), curve.stress.size - 1]
     parts = [np.arange(start, end + 1) for start, end in itertools.pairwise(ends)]
     first, *others = (
-        np.ptp(curve.closure[part[: 1 + logs.top_of(curve.stress[part])]]) for part in parts
+        np.ptp(curve.closure[part[: 1 + logs.place_of_largest(curve.stress[part])]])
+        for part in parts
     )
     for part, later in zip(parts[1:], others, strict=True):
         if later > _MOST_OF_FIRST * first:
@@ -434,6 +436,7 @@ def _quantity_of_heading(cell: str) -> str:
 
 
 def _is_number(cell: str) -> bool:
+    """Return whether a cell has a number."""
     try:
         float(cell)
     except ValueError:
@@ -451,6 +454,7 @@ def _cells(line: str, mark: str | None) -> list[str]:
 
 
 def _parsed_number(cell: str, where: str, quantity: str) -> float:
+    """Return the number in a cell; `InputError` names its line if it is none, or no cycle."""
     value = float(cell) if _is_number(cell) else math.nan
     if not math.isfinite(value):
         raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")

@@ -21,6 +21,7 @@ CLOSURE_UNITS = {
 }  # fmt: skip
 """Known units of length [m]."""
 KNOWN = STRESS_UNITS | FORCE_UNITS | CLOSURE_UNITS
+"""All known units, in SI."""
 _SPELT = SPELT | {
     "inch": "in", "inches": "in", '"': "in", "mils": "mil", "thou": "mil", "micrometre": "um",
     "pascal": "Pa", "kilopascal": "kPa", "megapascal": "MPa", "gigapascal": "GPa",
@@ -28,6 +29,7 @@ _SPELT = SPELT | {
     "lb/in2": "psi", "lbf/in2": "psi", "lbs/in2": "psi", "lb/sqin": "psi", "kp/cm2": "kgf/cm2",
     "kg/cm2": "kgf/cm2", "kp": "kgf",
 }  # fmt: skip
+"""Other spellings of known units."""
 _NOT_LENIENT = ("mPa", "mN", "Mm", "Nm", "NM", "mn", "Nn")
 """Spellings that differ from a known unit in the case of letters, and mean another unit."""
 _REFUSED = {
@@ -39,18 +41,17 @@ _REFUSED = {
 _ANYWHERE = {name for name in KNOWN if len(name) > 1 and name not in ("in", "mil", "bar", "atm")}
 """Units that a heading may also have before its end, as in "kN load"."""
 _BRACKETS = re.compile(r"[(\[{<]([^()\[\]{}<>]*)[)\]}>]")
+"""Text in brackets of any form, in which headings have units."""
 _MULTIPLIER = re.compile(r"[x×*·]\s*10|10\s*(?:\^|\*\*|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹+-])|(?<![\d.])1[eE][+-]?\d")
+"""A power of ten, by which values of a column would have to be multiplied."""
 
 
 class Heading(NamedTuple):
-    """Name of a column in small letters, its unit, and what stands in a unit's place and is none.
+    """What the heading of a column states; empty where it states nothing."""
 
-    Without a unit, or what stands in its place, these are empty.
-    """
-
-    name: str
-    unit: str
-    unknown: str
+    name: str  # in small letters
+    unit: str  # a known one
+    unknown: str  # what stands in the place of a unit, and is none that is known
 
 
 def unit_of(text: str) -> str:

@@ -54,7 +54,7 @@ class Branch(NamedTuple):
         return bool((self.points > 1).any())
 
 
-def exceeding(values: np.ndarray) -> np.ndarray:
+def exceeds_former(values: np.ndarray) -> np.ndarray:
     """Return which of the values (n,) of a branch exceed all former ones."""
     return np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])[: values.size]
 
@@ -67,10 +67,12 @@ def scatter_of(values: np.ndarray) -> float:
     if values.size < LEAST_POINTS:
         return 0.0
     changes = np.abs(np.diff(values))
+    # by the median deviation of normal values; a second difference has 6 times their variance
     scatter = 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0)
     if (changes == 0.0).mean() < _NOT_RISING or not changes.any():
         return scatter
-    return max(scatter, float(changes[changes > 0.0].min()) / np.sqrt(12.0))
+    rounding = float(changes[changes > 0.0].min()) / np.sqrt(12.0)
+    return max(scatter, rounding)
 
 
 def smoothed(stress: np.ndarray) -> np.ndarray:
@@ -82,7 +84,7 @@ def smoothed(stress: np.ndarray) -> np.ndarray:
     return stress if width < 3 else scipy.ndimage.uniform_filter1d(stress, width, mode="nearest")
 
 
-def top_of(stress: np.ndarray) -> int:
+def place_of_largest(stress: np.ndarray) -> int:
     """Return the number of the point where stresses (n,) are largest, apart from scatter."""
     return int(np.argmax(smoothed(stress)))
 
@@ -159,7 +161,10 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
 
 
 def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
-    """Return the group 0, 1 and so on (n,) of each point, evenly spaced along the curve."""
+    """Return the number (n,) of the group of each point, whose means stand for the points.
+
+    Groups are evenly spaced along the curve: in the sum of stress and closure over their ranges.
+    """
     along = np.zeros(stress.size)
     number = 0.5 * stress.size
     rising = [scipy.optimize.isotonic_regression(values).x for values in (stress, closure)]
@@ -189,7 +194,10 @@ def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
 
 
 def _line_at_end(values: np.ndarray, end: int) -> float:
-    """Return the first (0) or last (-1) value of a straight line through values (n,)."""
+    """Return the value of a straight line through values (n,) at the first (0) or last (-1) point.
+
+    It lies within the range of the values.
+    """
     number = np.arange(values.size) - 0.5 * (values.size - 1)
     slope = float(number @ values) / max(float(number @ number), 1.0)
     return float(np.clip(values.mean() + slope * number[end], values.min(), values.max()))
@@ -197,12 +205,15 @@ def _line_at_end(values: np.ndarray, end: int) -> float:
 
 def _is_scattered(values: np.ndarray) -> bool:
     """Return whether many of the values (n,) of a branch do not exceed all former ones."""
-    falls = int((~exceeding(values)).sum())
+    falls = int((~exceeds_former(values)).sum())
     return falls >= _NOT_RISING * LEAST_POINTS and falls >= _NOT_RISING * values.size
 
 
 def _number_of_means(count: int, rise: float, scatter: float) -> float:
-    """Return how many means of ``count`` points are apart by a multiple of their error."""
+    """Return how many means of ``count`` points are apart by `_STEPS_OVER_NOISE` standard errors.
+
+    ``rise`` is the change of the values from first to last, ``scatter`` their standard deviation.
+    """
     most = 0.5 * count
     if scatter == 0.0:
         return most

@@ -40,15 +40,15 @@ WAVELENGTHS = 6  # mismatch wavelengths at which joints are closed
 STRENGTHS = 4  # strengths at which joints are closed
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
-NEITHER = "neither"
+NEITHER = "neither"  # name of what has no mechanism between the loadings
 
 
 class Mechanism(NamedTuple):
-    """Field of `Later` of a constant, its value without the mechanism, its name and unit."""
+    """Mechanism that may act between the first loading and later ones."""
 
-    field: str
-    none: float
-    constant: str
+    field: str  # of `Later`
+    none: float  # value of the field without the mechanism
+    constant: str  # name of the field in words
     unit: str
 
 
@@ -295,7 +295,7 @@ def validate(
 def _tried_laters(
     shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
 ) -> tuple[Later, ...]:
-    """Return all that is tried after the first loading, first nothing."""
+    """Return all that is tried after the first loading; the first of it changes nothing."""
     for shift in shifts:
         check_number("shifts", shift)
         if not (float(shift).is_integer() and 1 <= shift <= columns - 8):

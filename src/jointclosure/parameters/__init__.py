@@ -107,6 +107,7 @@ def scene_of(name: str) -> Effects:
     return Effects(*(effect in name.split("-") for effect in Effects._fields))
 
 
+# Numbers of an interval, and its reason if that is not plain.
 _Part = Annotated[float, "(0, 1]"]
 _OfBase = Annotated[
     float,
@@ -115,7 +116,6 @@ _OfBase = Annotated[
 ]
 _Tolerance = Annotated[float, "[1e-14, 1)", "; rounding allows no less"]
 _Most = Annotated[float, "[1, inf]"]
-"""Numbers of an interval, and its reason if that is not plain."""
 
 
 class Choices(NamedTuple):
@@ -236,6 +236,7 @@ class Numerics(NamedTuple):
 
 
 SOLVER_NAMES: tuple[str, ...] = get_args(Numerics.__annotations__["solver"])
+"""Names of the solvers, which `solvers.registry.solver_named` finds."""
 
 
 _Settings = TypeVar("_Settings", Rock, Choices, Numerics)

@@ -157,6 +157,7 @@ def in_unit(value: float, unit: str) -> float | int:
 
 
 def _power_of_unit(unit: str) -> int:
+    """Return the power of ten of a unit in SI."""
     return round(math.log10(SI_FACTORS[unit]))
 
 

@@ -130,6 +130,7 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
 
     @styled
     def show(frame: int) -> list:
+        """Draw a frame on cleared axes, as `FuncAnimation` asks for it."""
         for axes in panels.values():
             axes.clear()
         at = closed.isel(snapshot=frame)

@@ -27,7 +27,7 @@ from jointclosure.joint.status import LOADING, UNLOADING
 BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
 """Line style of each branch in every figure."""
 
-_STYLE = {
+_STYLE = {  # settings of matplotlib
     **sns.plotting_context("paper", font_scale=1.1),
     **sns.axes_style("ticks"),
     "axes.prop_cycle": cycler("color", sns.color_palette("colorblind")),

@@ -267,7 +267,10 @@ def take_over(space, upper, lower, offset, interaction, peaks):
 
 @kernel
 def note_holding(batch, n, looked_at, cells, holds_to):
-    """Note the approach up to which the pairs (n,) that do not break will hold."""
+    """Note up to which approach [m] the pairs (n,) that do not break now will hold.
+
+    The stress ratio is proportional to the overlap, so that it reaches 1 at overlap / ratio.
+    """
     for i in range(n):
         cell = looked_at[i]
         overlap = batch.overlap[i]
@@ -363,9 +366,9 @@ def let_due_wait(due, moment, turns):
 
 @kernel
 def foresee(batch, n, looked_at, growth, due, moment, allowed):
-    """Set when pairs (n,) that hold at a moment will exceed their strength if walls stay.
+    """Set at which moment pairs (n,) that hold now will exceed their strength if walls stay.
 
-    The overlap grows evenly, and the stress ratio is proportional to it.
+    The overlap grows evenly over the step, and the stress ratio is proportional to the overlap.
     """
     last = due.first.size  # the moment at the end of the step
     for i in range(n):
@@ -448,7 +451,11 @@ def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside):
 
 @kernel
 def add_changes(batch, i, cell, cells, walls, broken, count):
-    """Add what broken pair i changes to the new walls, list its cell, and return their number."""
+    """Add what pair i has changed to the new walls (2, cells), and list its cell as broken.
+
+    Return the number of broken cells. Changes are added because pairs that break together may share
+    neighbours.
+    """
     if batch.steps[i] == 0.0:
         return count
     for k in range(9):
@@ -462,7 +469,10 @@ def add_changes(batch, i, cell, cells, walls, broken, count):
 
 @kernel
 def take_out_resting(batch, n, some, cells, walls, broken, count):
-    """Take pairs that do not break out of the batch; return how many are left, and are broken."""
+    """Take pairs that break no more out of the batch, and add what they changed to the new walls.
+
+    Return how many pairs are left in the batch, and how many cells are listed as broken.
+    """
     i = 0
     while i < n:
         if batch.breaks[i] > 0.0:

@@ -161,6 +161,7 @@ def _starting_point(solved: list[_Point], target: float, contacts: Contacts, siz
 
 
 def _described_solution(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
+    """Summarise a solution as a joint at rest, as `Joint.describe` does."""
     total = float(solution.force.sum())
     outcome = (
         Outcome.CONVERGED if solution.residual <= candidates.tolerance else Outcome.NOT_CONVERGED

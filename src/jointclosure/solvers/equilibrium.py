@@ -25,7 +25,7 @@ from jointclosure.solvers.interaction_operator import Influence, dense_limit, in
 from jointclosure.solvers.newton import ROUNDING, Equilibrium, interacting_equilibrium
 
 _MOST_DOUBLINGS = 200  # of the width in which a shift is searched; chosen
-_NOTHING = np.empty((0, 0))
+_NOTHING = np.empty((0, 0))  # in place of a matrix or a field that is not known
 
 
 def solve_equilibrium(
@@ -109,6 +109,7 @@ def _solve_by_bracketing(
         best = start._replace(force=np.zeros(start.force.size))
 
     def excess_at(shift: float) -> float:
+        """Return the total force less the target [N] at a shift [m], starting from `best`."""
         nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         solution = interacting_equilibrium(

@@ -34,7 +34,7 @@ BAND = 2.8
 SHORT_STEPS = 8
 """Short steps of breakage in a step of closure with resolved breakage."""
 MOST_ROUNDS = 1000  # equilibria of one closure after which a joint counts as not at rest; chosen
-_NO_GROWTH = np.zeros((0, 0))
+_NO_GROWTH = np.zeros((0, 0))  # of the approach, where breakage is not walked through
 _CLEAR_OF_STRENGTH = 0.98
 """Share of its strength below which a contact with an approximate force is assumed to hold."""
 
@@ -98,14 +98,14 @@ class _GivenUp(Exception):
 
 
 class _PathToRest:
-    """Joint on its way to rest at a closure [m]; residual ``solved_to``, and effort."""
+    """Joint on its way to rest at a closure [m], with the effort so far."""
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
         self.joint = joint
         self.closure = closure
         self.breakage_step = breakage_step
         self.locked = np.zeros(joint.upper.shape, dtype=bool)
-        self.solved_to = np.inf
+        self.solved_to = np.inf  # residual of the present forces
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._interaction_known = True  # whether that of the joint is the interaction of its forces
         # valid until breakage changes the walls

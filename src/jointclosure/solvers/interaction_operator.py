@@ -63,7 +63,11 @@ def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
 
 @kernel
 def influence_by_place(table):
-    """Return influence [m/N] by the difference of two places, flat, and the index of 0."""
+    """Return the influence [m/N] by the difference of two places, as a flat array, and its middle.
+
+    Places (`places`) number the cells of rows that are twice as long, so that the difference of two
+    places tells their distance along y and x. The middle is the index of a difference of 0.
+    """
     ny, nx = table.shape
     stride = 2 * nx - 1
     wide = np.empty((2 * ny - 1) * stride)
@@ -75,7 +79,7 @@ def influence_by_place(table):
 
 @kernel
 def places(cells, nx):
-    """Return places (n,) of cells (n,) given by flat index, see `influence_by_place`."""
+    """Return the places (n,) of cells (n,) of a grid, see `influence_by_place`."""
     place = np.empty(cells.size, np.int64)
     for i in range(cells.size):
         y, x = divmod(cells[i], nx)
@@ -85,7 +89,10 @@ def places(cells, nx):
 
 @kernel
 def fill_influence(matrix, wide, middle, place, known):
-    """Fill in influences [m/N] between cells at places (n,), after the first ``known`` ones."""
+    """Fill in influences [m/N] between cells at places (n,) in the first n rows of a matrix.
+
+    Those between the first ``known`` cells are there already.
+    """
     n = place.size
     for i in range(known):
         row = matrix[i]
@@ -125,9 +132,9 @@ def displacement_between(wide, middle, place, sources, force):
 class Neighbours:
     """Cells (n,) that overlapped recently, by flat index, and the influence matrix between them.
 
-    Nearly the same cells overlap from round to round, so that rows are added for new cells. If over
-    a quarter of it is unused, it is started again. ``matrix`` (m, m) is filled in n rows and
-    columns.
+    Nearly the same cells overlap from round to round, so that only rows and columns of new cells
+    are computed. If more than a quarter of the cells do not overlap any more, the matrix is started
+    again. ``matrix`` (m, m), m >= n, is filled in the first n rows and columns.
     """
 
     def __init__(self, table: np.ndarray):
@@ -265,7 +272,10 @@ def single_product(influence, matrix, cells, values):
 
 @kernel
 def add_multiple(influence, matrix, part, product, unit, displacement):
-    """Add a multiple of the last `single_product` to displacements [m], see `Iterate.field`."""
+    """Add a multiple ``part`` of the last `single_product` to displacements [m].
+
+    ``product`` and ``unit`` are what it returned; displacements are those of `Iterate.field`.
+    """
     if matrix.size > 0:
         for i in range(product.size):
             displacement[0, i] += part * product[i]
@@ -280,9 +290,9 @@ def add_multiple(influence, matrix, part, product, unit, displacement):
 
 @large_kernel
 def add_displacements(influence, matrix, cells, force, displacement):
-    """Add the displacements [m] by forces (n,) [N], most of them 0; return if by a transform.
+    """Add the displacements [m] by forces (n,) [N], most of them 0, to those of `Iterate.field`.
 
-    The displacements are those of `Iterate.field`.
+    Few forces are added one by one, many by a convolution. Return whether there was a convolution.
     """
     acting = np.flatnonzero(force)
     if matrix.size > 0:
@@ -312,7 +322,10 @@ def add_displacements(influence, matrix, cells, force, displacement):
 
 @large_kernel
 def add_changes_of_force(influence, cells, start, force, interaction):
-    """Update the interaction (y, x) [m] of forces (y, x) [N] to those of a start at cells (n,)."""
+    """Update the interaction (y, x) [m] from that of forces (y, x) [N] to that of others.
+
+    These are ``start`` (n,) [N] at the cells (n,), and 0 elsewhere.
+    """
     change = -force.ravel()
     for i in range(cells.size):
         change[cells[i]] += start[i]

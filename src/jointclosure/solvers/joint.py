@@ -161,7 +161,10 @@ class Joint:
         return influence_of(self.influence_table)
 
     def weaken_crushed(self) -> bool:
-        """Take pairs with a cell below its pristine height as crushed; return if any is new."""
+        """Mark pairs with a cell below its pristine height as crushed; return if any is new.
+
+        Only where crushed rock is weaker (`Choices.crushed_strength_ratio`).
+        """
         if not self.pristine:
             return False
         walls = zip((self.upper, self.lower), self.pristine, strict=True)
@@ -226,7 +229,12 @@ class Joint:
         return Contacts(cells, overlap, compliance, limit, self.law.substrate)
 
     def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
-        """Return contacts among all `neighbours`, in order, and the influence between these."""
+        """Return contacts extended to all `neighbours`, and the influence matrix (m, m) of these.
+
+        Neighbours that are not in contact have a negative overlap. Without interaction, or for so
+        many contacts that a convolution is cheaper, the contacts are returned as they are, and
+        None.
+        """
         if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
             return contacts, None
         near = self.neighbours

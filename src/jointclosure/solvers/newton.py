@@ -35,21 +35,20 @@ ROUNDING = 2.0**-52
 
 
 class Equilibrium(NamedTuple):
-    """Forces [N] and interaction [m] at the cells (n,), with residual and effort.
+    """Forces in equilibrium, with residual and effort.
 
-    ``residual`` is sum |F - G| / sum G with the answers G = min(C, psi(g + D - K F)) to the forces
-    F, and for a given total force T at least |sum F - T| / sum G. ``field`` is the interaction (y,
-    x) [m] at all cells if it was computed with that of the contacts, otherwise empty.
+    The residual is sum |F - G| / sum G with the answers G = min(C, psi(g + D - K F)) to the forces
+    F, and for a given total force T at least |sum F - T| / sum G.
     """
 
-    force: np.ndarray
-    interaction: np.ndarray
-    field: np.ndarray
-    shift: float
-    residual: float
+    force: np.ndarray  # (n,) [N]
+    interaction: np.ndarray  # at the contacts (n,) [m]
+    field: np.ndarray  # that at all cells (y, x) [m], empty if it was not computed
+    shift: float  # of all overlaps [m]
+    residual: float  # [1]
     newton_steps: int
-    products: int
-    space: CoarseSpace
+    products: int  # with the interaction
+    space: CoarseSpace  # preconditioner, which a following equilibrium may use
 
 
 class Problem(NamedTuple):

@@ -21,22 +21,22 @@ from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import wall_curvature
 
 BATCH = 128  # most pairs of a batch; chosen
-# Indices of the walls.
-UPPER = 0
-LOWER = 1
+UPPER = 0  # index of the upper wall
+LOWER = 1  # index of the lower wall
 _MOST_NARROWED = 60
 """Largest number of steps of false position for a loss; nearly all need two to four."""
 _FEW = 0.25
 """Share of unsolved pairs below which they are solved one by one."""
-# Indices of cells in 3 x 3 heights.
-SOUTH = 1
-WEST = 3
+# Indices in 3 x 3 heights: the cell itself and its edge neighbours.
+SOUTH = 1  # y - 1
+WEST = 3  # x - 1
 CENTRE = 4
-EAST = 5
-NORTH = 7
+EAST = 5  # x + 1
+NORTH = 7  # y + 1
 
 
 def _batch_fields(*names: str, shape: tuple[int, ...] = ()) -> list[tuple]:
+    """Return fields of `Batch` of a shape, with one value for each pair."""
     return [(name, np.float64, (*shape, BATCH)) for name in names]
 
 
@@ -75,14 +75,14 @@ def batch_memory() -> np.ndarray:
 
 
 class Rules(NamedTuple):
-    """Tie tolerance [m], floor of curvature [1/m], `concave`, spacing [m], and what is acting."""
+    """What is the same for all pairs of a batch."""
 
-    tie_tolerance: float
-    least_curvature: float
-    concave: float
-    spacing: float
+    tie_tolerance: float  # height difference that makes no neighbour lower [m]
+    least_curvature: float  # lower bound of a wall's curvature [1/m]
+    concave: float  # see `ContactLaw`
+    spacing: float  # of the grid [m]
     gouge: bool
-    bounded: bool
+    bounded: bool  # whether strength is bounded by the base of an asperity
 
 
 @kernel
@@ -142,13 +142,13 @@ def assess(batch, n, allowed, rules):
 
 
 @kernel
-def least_of(drop, least):
-    """Return the smaller of a drop and the smallest so far; ignore a drop of 0."""
+def smaller_drop(drop, least):
+    """Return the smaller of a drop and the smallest drop so far; a drop of 0 does not count."""
     return drop if 0.0 < drop < least else least
 
 
 @kernel
-def drop_to(batch, wall, neighbour, i, tie_tolerance):
+def drop_of_neighbour(batch, wall, neighbour, i, tie_tolerance):
     """Return the drop from the cell of pair i to a neighbour [m], 0 if it is not lower."""
     here = batch.heights[wall, CENTRE, i]
     return fall(here, batch.heights[wall, neighbour, i], tie_tolerance)
@@ -158,22 +158,22 @@ def drop_to(batch, wall, neighbour, i, tie_tolerance):
 def measure_drops(batch, n, wall, tie_tolerance):
     """Compute sum and smallest of drops to lower neighbours (`mechanics.gouge.drops`)."""
     for i in range(n):
-        a = drop_to(batch, wall, 0, i, tie_tolerance)
-        b = drop_to(batch, wall, 1, i, tie_tolerance)
-        c = drop_to(batch, wall, 2, i, tie_tolerance)
-        d = drop_to(batch, wall, 3, i, tie_tolerance)
-        e = drop_to(batch, wall, 5, i, tie_tolerance)
-        f = drop_to(batch, wall, 6, i, tie_tolerance)
-        g = drop_to(batch, wall, 7, i, tie_tolerance)
-        h = drop_to(batch, wall, 8, i, tie_tolerance)
-        least = least_of(a, math.inf)
-        least = least_of(b, least)
-        least = least_of(c, least)
-        least = least_of(d, least)
-        least = least_of(e, least)
-        least = least_of(f, least)
-        least = least_of(g, least)
-        batch.least_drop[wall, i] = least_of(h, least)
+        a = drop_of_neighbour(batch, wall, 0, i, tie_tolerance)
+        b = drop_of_neighbour(batch, wall, 1, i, tie_tolerance)
+        c = drop_of_neighbour(batch, wall, 2, i, tie_tolerance)
+        d = drop_of_neighbour(batch, wall, 3, i, tie_tolerance)
+        e = drop_of_neighbour(batch, wall, 5, i, tie_tolerance)
+        f = drop_of_neighbour(batch, wall, 6, i, tie_tolerance)
+        g = drop_of_neighbour(batch, wall, 7, i, tie_tolerance)
+        h = drop_of_neighbour(batch, wall, 8, i, tie_tolerance)
+        least = smaller_drop(a, math.inf)
+        least = smaller_drop(b, least)
+        least = smaller_drop(c, least)
+        least = smaller_drop(d, least)
+        least = smaller_drop(e, least)
+        least = smaller_drop(f, least)
+        least = smaller_drop(g, least)
+        batch.least_drop[wall, i] = smaller_drop(h, least)
         batch.total_drop[wall, i] = ((a + b) + (c + d)) + ((e + f) + (g + h))
 
 
@@ -205,8 +205,8 @@ def fixed_losses(batch, n, breakage_step):
 
 
 @kernel
-def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
-    """Raise a neighbour of pair i by gouge: this part of its drop below the cell."""
+def raise_neighbour(batch, wall, neighbour, i, rate, tie_tolerance):
+    """Raise a neighbour of pair i by gouge: by the share ``rate`` of its drop below the cell."""
     height = batch.heights[wall, neighbour, i]
     drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
     batch.heights[wall, neighbour, i] = height + rate * drop
@@ -225,14 +225,14 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
             cut = least / (total + least)
             rate = full if full < cut else cut
             rate = rate if loss > 0.0 else 0.0
-            raise_to(batch, wall, 0, i, rate, tie_tolerance)
-            raise_to(batch, wall, 1, i, rate, tie_tolerance)
-            raise_to(batch, wall, 2, i, rate, tie_tolerance)
-            raise_to(batch, wall, 3, i, rate, tie_tolerance)
-            raise_to(batch, wall, 5, i, rate, tie_tolerance)
-            raise_to(batch, wall, 6, i, rate, tie_tolerance)
-            raise_to(batch, wall, 7, i, rate, tie_tolerance)
-            raise_to(batch, wall, 8, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 0, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 1, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 2, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 3, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 5, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 6, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 7, i, rate, tie_tolerance)
+            raise_neighbour(batch, wall, 8, i, rate, tie_tolerance)
             loss = rate * total if rate > 0.0 else 0.0
         batch.heights[wall, CENTRE, i] = here - loss
 

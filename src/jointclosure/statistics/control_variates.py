@@ -138,9 +138,9 @@ def adjusted_length(
     significance: float = 0.05,
     tell_scatter: bool = True,
 ) -> tuple[float, BootstrapInterval]:
-    """Compute the length, NaN without a root, from adjusted means and deviations, and its scatter.
+    """Compute the length of the unpaired test from adjusted means and deviations, NaN if no root.
 
-    It is that of the unpaired test.
+    Return it with its interval, by draws of means and deviations within their errors.
     """
     means = adjusted_means(samples, covariates, known, paired=False)
     deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)

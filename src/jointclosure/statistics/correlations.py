@@ -9,7 +9,10 @@ from jointclosure.statistics.standard_errors import Estimate, mean_covariance
 
 
 class Quadratic(NamedTuple):
-    """value(p) = b u^2 + c u + d in u = (p - base)/half_range; coefficients are near the values."""
+    """Quadratic value(p) = b u^2 + c u + d in u = (p - base)/half_range.
+
+    In u the coefficients have the unit of the value, and are of about its size.
+    """
 
     b: Any  # float or array, like c and d
     c: Any

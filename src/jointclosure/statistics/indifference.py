@@ -343,12 +343,12 @@ def indifference_lengths(
 
 
 class ResponseMoments(NamedTuple):
-    """Levels (k,), means and deviations (..., k) of responses there, and the base level."""
+    """Means and standard deviations of one parameter's responses."""
 
-    levels: ArrayLike
-    means: Any  # converted and checked where lengths are computed
-    deviations: Any
-    base: float | None
+    levels: ArrayLike  # (k,)
+    means: Any  # (..., k); converted and checked where lengths are computed
+    deviations: Any  # (..., k)
+    base: float | None  # level from which changes are measured, by default the middle one
 
 
 def lengths_of_responses(
@@ -416,7 +416,11 @@ def _quartics(
     significance: float,
     base: float,
 ) -> tuple[Quadratic, Quadratic, float, np.ndarray, np.ndarray]:
-    """Return quadratics, the critical value, which means vary (m,), and quartics of these."""
+    """Fit quadratics to means and deviations (m, k) and make the quartics of Eq. (29).
+
+    Return both quadratics, the critical value, which means vary with the parameter (m,), and the
+    quartics of these (n, 5), highest power first.
+    """
     mean, deviation = (
         fit_quadratic(levels, values.reshape(-1, levels.size), base)
         for values in (means, deviations)
@@ -453,7 +457,11 @@ def closest_roots(quartics: np.ndarray) -> np.ndarray:
 
 
 def _closest_quadratic_roots(quadratics: np.ndarray) -> np.ndarray:
-    """Return `closest_roots` (m,) of quartics with a double root at 0, without it (m, 3)."""
+    """Return `closest_roots` (m,) where there is no scatter at 0, from coefficients (m, 3).
+
+    The quartic then has a double root at 0; the coefficients are those of the quadratic that is
+    left when it is divided by u^2, highest power first.
+    """
     second, first, constant = quadratics.T
     lowest = np.where(constant != 0.0, constant, np.where(first != 0.0, first, second))
     at_zero = (lowest > 0.0) | ((constant == 0.0) & (first != 0.0))
@@ -563,7 +571,11 @@ def paired_indifference_interval(
 def _solve_pairs(
     levels: np.ndarray, samples: np.ndarray, n: int, significance: float, base: float
 ) -> tuple[Quadratic, DifferenceScatter, float, np.ndarray]:
-    """Return quadratics and scatters of samples (m, k, n), critical value, and roots (m,) in u."""
+    """Fit the paired model to samples (m, k, n) and solve its quartics.
+
+    Return quadratics of the means, scatters of the differences, the critical value, and the closest
+    roots (m,) in u.
+    """
     mean = fit_quadratic(levels, samples.mean(axis=-1), base)
     scatter = difference_scatter(levels, samples, base)
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))

@@ -118,7 +118,7 @@ def significant(value: float, figures: int) -> str:
     return f"{rounded:.{max(figures - 1 - exponent, 0)}f}"
 
 
-ABSENT = "–"
+ABSENT = "–"  # in a table, in place of a number
 
 
 def number_text(value: float, figures: int = 4) -> str:

@@ -103,7 +103,7 @@ def best_plan(
 
 
 def _best_split(deviations: tuple[float, float], seconds: tuple[float, float], joints: int) -> Plan:
-    """Return the plan with the best number of differences for a number of joints."""
+    """Return the plan of so many cheap joints with the best number of differences."""
     first, second = deviations
     cheap, both = seconds
     share = second * math.sqrt(cheap) / (first * math.sqrt(both)) if first * both > 0.0 else 1.0

@@ -311,7 +311,11 @@ def _row_terms(responses: np.ndarray) -> np.ndarray:
 
 
 def _jackknife_errors(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Return the errors of V, of the ratios, and of the share of the surfaces."""
+    """Return standard errors of V, of all V_i and V_Ti over V, and of the share of the surfaces.
+
+    ``terms`` (N, 1 + 2 d) are those of `_row_terms`, ``noise`` (N,) variances by the surfaces; each
+    row is left out once.
+    """
     n = noise.size
     left = (terms.sum(axis=0) - terms) / (n - 1)
     quiet = (noise.sum() - noise) / (n - 1)

@@ -7,10 +7,10 @@ import scipy
 
 from jointclosure.inputs import InputError, check_count, check_number
 
-STANDS = "stands"
-FALLS = "falls"
-UNDECIDED = "undecided"
-NO_DIFFERENCE = "no difference"
+STANDS = "stands"  # the whole interval confirms the claim
+FALLS = "falls"  # the whole interval contradicts it
+UNDECIDED = "undecided"  # the interval does neither
+NO_DIFFERENCE = "no difference"  # the whole interval is within what counts as no difference
 VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, UNDECIDED)
 
 

@@ -24,7 +24,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 
 RECORD = "written.json"  # in a folder of results: the names of the files that each command wrote
-_SEAL = b"\nsha256 of all before this line: "
+_SEAL = b"\nsha256 of all before this line: "  # before the digest at the end of a sealed file
 END_DIGEST = 64  # length in bytes of the digest at the end of a sealed file
 _READ_BYTES = 1_000_000  # at a time; a memory-mapped file would count as memory of the process
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
@@ -69,6 +69,7 @@ def _remove_litter(path: Path, written_here: str) -> None:
 
 
 def _flush_to_disk(path: Path) -> None:
+    """Wait until a file or folder is on the disk, not only in memory."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -201,5 +202,6 @@ def check_record(folder: Path) -> dict[str, list[str]]:
 
 
 def _record(folder: Path, command: str, names: Iterable[str]) -> None:
+    """Write the names of a command's files to the record of a folder."""
     commands = check_record(folder) | {command: sorted({*names})}
     write_text(json.dumps(commands, indent=1, sort_keys=True) + "\n", folder / RECORD)

@@ -388,11 +388,24 @@ def numerical_errors_of(results: pd.DataFrame, shared: bool, cells: int) -> pd.D
     return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
 
 
+def limits_of_error(numerical: pd.DataFrame) -> dict[tuple[int, str], float]:
+    """Return the known numerical errors [1] of `numerical_errors_of` by cycle and quantity."""
+    known = numerical.dropna(subset="error")
+    return {(row.cycle, row.quantity): row.error for row in known.itertuples()}
+
+
 def ranges_of(
-    results: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
+    results: pd.DataFrame,
+    sources: Mapping[str, Source],
+    shares: np.ndarray,
+    further: np.ndarray,
+    limits: Mapping[tuple[int, str], float] = {},
 ) -> pd.DataFrame:
     """Compute `Budget.ranges` of `Budget.results`, of which ``shares`` (draws, sources) are the
     random values of the joints closed with `ALL`, as for `Source.at`, and ``further`` (n, sources).
+
+    A range is at least as wide as the limit of the numerical error of its result
+    (`limits_of_error`).
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
@@ -403,7 +416,12 @@ def ranges_of(
                 of_quantity = touching / (1.0 - touching)
             values = of_quantity.groupby(of_cycle.source).apply(np.array).to_dict()
             widened = widening_of(quantity, int(cycle))
-            rows[cycle, quantity] = _range_of(values, sources, shares, further, widened=widened)
+            # the gross closure has that of the net one besides an indentation that is known well
+            limited = CLOSURE_NET if quantity == CLOSURE_GROSS else quantity
+            error = limits.get((int(cycle), limited), 0.0)
+            rows[cycle, quantity] = _range_of(
+                values, sources, shares, further, widened=widened, error=error
+            )
         share = rows[cycle, CONTACT]
         share.update({end: share[end] / (1.0 + share[end]) for end in NUMBERS[1:]})
         share[NUMBERS[0]] = float(of_cycle.loc[of_cycle.source == "", CONTACT].iloc[0])
@@ -428,11 +446,12 @@ def _range_of(
     further: np.ndarray,
     least: float | None = None,
     widened: float = 1.0,
+    error: float = 0.0,
 ) -> dict[str, float]:
     """Return a row of `Budget.ranges` from the results of the variants of each source.
 
     Changes are factors if the ``least`` result, by default of the variants, is positive. Ranges
-    are ``widened`` about the joint by a factor.
+    are ``widened`` about the joint by a factor, and contain the numerical ``error`` [1] of it.
     """
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
@@ -462,6 +481,10 @@ def _range_of(
     wider = of_range + _sum(of_further, sources, False)
     ends = np.quantile([of_range, wider], [OUTSIDE, 1.0 - OUTSIDE], axis=1).T
     ends = widened * np.column_stack([np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)])
+    if error > 0.0:
+        below = np.log1p(-min(error, _ALMOST_ALL)) if factors else -error * abs(best)
+        above = np.log1p(error) if factors else error * abs(best)
+        ends = np.column_stack([np.minimum(ends[:, 0], below), np.maximum(ends[:, 1], above)])
     ends[1] = min(ends[0, 0], ends[1, 0]), max(ends[0, 1], ends[1, 1])
     numbers = best * np.exp(ends.ravel()) if factors else best + ends.ravel()
     numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
@@ -489,8 +512,19 @@ def _sum(
     return np.sum(chosen, axis=0) if chosen else np.zeros(next(iter(changes.values())).shape)
 
 
+_LIMIT_OF_BAND = {
+    "closure_net_since_seating_mm": CLOSURE_NET,
+    "normal_stiffness_net_MPa_per_mm": STIFFNESS,
+}
+"""Result whose numerical error a band contains at each stress, by column of `stress_table`."""
+
+
 def bands_of(
-    curves: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
+    curves: pd.DataFrame,
+    sources: Mapping[str, Source],
+    shares: np.ndarray,
+    further: np.ndarray,
+    limits: Mapping[tuple[int, str], float] = {},
 ) -> pd.DataFrame:
     """Compute `Budget.curves` from `stress_table` of all variants; arguments as for `ranges_of`."""
     places = ["cycle", "branch", "normal_stress_MPa"]
@@ -511,9 +545,10 @@ def bands_of(
                 known &= row["flow_status"] not in ONLY_BOUNDS
             smallest = least[stress > curves.normal_stress_MPa.min()][name]
             widened = widening_of(name, int(cycle))
-            numbers = (
-                _range_of(values, sources, shares, further, smallest, widened) if known else {}
-            )
+            error = limits.get((int(cycle), _LIMIT_OF_BAND.get(name, "")), 0.0)
+            numbers = {}
+            if known:
+                numbers = _range_of(values, sources, shares, further, smallest, widened, error)
             for number in ENDS:
                 row[f"{name}_{number}"] = numbers.get(number, np.nan)
         rows.append(row)

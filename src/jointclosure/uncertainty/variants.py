@@ -38,6 +38,7 @@ from jointclosure.uncertainty.budget import (
     Budget,
     Source,
     bands_of,
+    limits_of_error,
     numerical_errors_of,
     ranges_of,
     results_of,
@@ -307,11 +308,12 @@ def uncertainty_budget(
     omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
-    bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER])
-    ranges_found = ranges_of(results, sources, shares, further)
     of_steps = sources.get("breakage")
     shared = of_steps is not None and of_steps.kind == SHARED
     numerical = numerical_errors_of(results, shared, upper.size)
+    limits = limits_of_error(numerical)
+    bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER], limits)
+    ranges_found = ranges_of(results, sources, shares, further, limits)
     return Budget(results, ranges_found, omitted, bands, _choices(sources), numerical)
 
 

@@ -10,7 +10,7 @@ Walls = tuple[np.ndarray, np.ndarray]
 
 
 def shifted(walls: Walls, cells: Sequence[int]) -> Walls:
-    """Move the upper wall by (y, x) cells towards the origin; the cells that meet are left."""
+    """Shift the upper wall by (y, x) cells towards the origin; keep the cells that both cover."""
     upper, lower = walls
     for axis, count in enumerate(cells):
         kept = np.arange(upper.shape[axis] - abs(count))
@@ -20,7 +20,7 @@ def shifted(walls: Walls, cells: Sequence[int]) -> Walls:
 
 
 class CrushedWalls(NamedTuple):
-    """Walls that were crushed before, and as they were before anything broke."""
+    """Walls after an earlier loading, and the same walls before any loading."""
 
     walls: Walls
     pristine: Walls

@@ -16,6 +16,8 @@ REACH = 2.0  # mean point distances within which a cell needs a point to have a 
 MOST_CELLS_PER_POINT = 100  # of a grid; beyond, nearly all cells are far from points
 PAPER_SPACING = 0.25e-3  # of the paper's walls [m], at which relations of JRC are stated
 MISSING = ("refuse", "avoid", "nearest", "linear")
+"""What is done with cells without a height: an error, joints are cut elsewhere, or they are filled
+by the nearest height or linearly."""
 LARGEST_FILLED_SHARE = 0.05  # of a wall's cells, unless the user allows more
 
 
@@ -52,12 +54,15 @@ class Cloud(NamedTuple):
 
 
 def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
-    """Return points (n, 3) of a scan [m] row by row; with ``missing`` also NaN between them."""
+    """Return the points (n, 3) [m] of a scan, row by row: x, y and height.
+
+    With ``missing``, cells of a grid between known ones are points too, with a height of NaN.
+    """
     if isinstance(scan, Cloud):
         return scan.points
     listed = np.isfinite(scan.heights)
     if missing:
-        listed = np.logical_and.outer(*(between(listed.any(axis=axis)) for axis in (1, 0)))
+        listed = np.logical_and.outer(*(between_known(listed.any(axis=axis)) for axis in (1, 0)))
     y, x = np.nonzero(listed)
     y0, x0 = scan.origin or (0.0, 0.0)
     return np.column_stack(
@@ -65,31 +70,38 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
     )
 
 
-def between(known: np.ndarray, axis: int = 0) -> np.ndarray:
-    """Return which places lie from the first to the last known one along an axis: bool."""
+def between_known(known: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Return which places (bool) lie between the first and the last known one along an axis."""
     after = np.logical_or.accumulate(known, axis)
     return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
 
 
 def gaps(known: np.ndarray) -> np.ndarray:
     """Return which unknown cells (y, x) lie between known ones of their row or their column."""
-    return (between(known, 0) | between(known, 1)) & ~known
+    return (between_known(known, 0) | between_known(known, 1)) & ~known
 
 
 def _closed_gaps(known: np.ndarray) -> np.ndarray:
-    """Return which cells (y, x) lie between known ones at most three apart; not beside a rim."""
+    """Return which cells (y, x) are known, or in a gap of one or two between known ones of a line.
+
+    Unknown cells at the rim of the grid are in no gap.
+    """
     closed = scipy.ndimage.binary_closing
     return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
 
 
 def holes(known: np.ndarray) -> np.ndarray:
-    """Return the `gaps` (y, x) at least three cells wide, and those inside that are no dropouts."""
-    inside = between(known, 0) & between(known, 1) & ~(known | _closed_gaps(known))
+    """Return which unknown cells (y, x) are in holes of a scan, not single values that were lost.
+
+    They are the `gaps` of three cells or more in both directions, and unknown cells between known
+    ones of their row and of their column that are in no gap of one or two cells.
+    """
+    inside = between_known(known, 0) & between_known(known, 1) & ~(known | _closed_gaps(known))
     return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
 
 
-def without_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
-    """Fill narrow gaps between known cells of a wall (y, x), except in holes, linearly."""
+def fill_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
+    """Fill gaps of one or two cells in a wall (y, x), except in holes, by linear interpolation."""
     known = np.isfinite(wall)
     dropouts = _closed_gaps(known) & ~(known | hole)
     return np.where(dropouts, filled(wall, "linear", 1.0), wall) if dropouts.any() else wall
@@ -113,7 +125,10 @@ def paper_spacing(distance: float) -> float:
 
 
 def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
-    """Return a flat wall: the mean plane of a scan at its places, with heights times a sign."""
+    """Return a flat wall with the places of a scan, at the height of its mean plane.
+
+    ``sign`` -1 turns the heights to the other direction.
+    """
     if isinstance(scan, Scan):
         return Scan(sign * (scan.heights - _heights_less_plane(scan)), scan.spacing, scan.origin)
     plane = scan.points[:, 2] - _heights_less_plane(scan)
@@ -155,7 +170,10 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
-    """Take heights of a grid at nodes of a coarser one, which keeps slopes, as means would not."""
+    """Take the heights of a grid at the nodes of a coarser one, one of them at ``anchor`` (y, x).
+
+    Single heights keep the slopes of the wall, which means over cells would make smaller.
+    """
     origin = np.array(scan.origin or (0.0, 0.0))
     steps = np.array(scan.spacing)
     first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
@@ -223,7 +241,10 @@ def _triangle_interpolation(
 
 
 def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray:
-    """Return heights at another spacing, from a node ``start`` (y, x) in points of the scan on."""
+    """Return the heights of a grid at another spacing [m], by cubic splines unless nodes coincide.
+
+    The first node is at ``start`` (y, x), counted in points of the scan.
+    """
     heights = scan.heights
     ratios = [spacing / scanned for scanned in scan.spacing]
     exact = np.column_stack([start, ratios])

@@ -76,6 +76,7 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
 
 
 def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
+    """Turn a scan until its mean plane is level; return it with a remark, and the rotation."""
     tilt = _inclination(plane)
     if tilt > STEEPEST:
         raise InputError(
@@ -110,7 +111,10 @@ def _grid_if_regular(cloud: Cloud) -> Scan | Cloud:
 
 
 def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
-    """Return the heights of a moved grid at nodes about the middle, without cells outside of it."""
+    """Return the heights of a grid after a motion, at nodes of the same spacing about its middle.
+
+    Of these the largest rectangle is kept that the moved grid covers.
+    """
     steps = np.array(scan.spacing[::-1])
     corners = points_of(scan._replace(heights=np.zeros_like(scan.heights)))
     corners[:, 2] = plane.at(corners[:, 0], corners[:, 1])
@@ -134,7 +138,9 @@ def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
 
 
 def levelled_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
-    """Level scans whose cells lie on each other: all if one is inclined, to their common cells.
+    """Level two scans of one frame, whose cells lie on each other, so that they still do.
+
+    All are turned if one of them is inclined; of grids the cells are kept that all have afterwards.
 
     Raises
     ------

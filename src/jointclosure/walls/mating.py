@@ -54,6 +54,7 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     other = _windowed_waves(lower)
     wave = _wave_numbers(upper.shape, spacing)
     longest = 0.5 * min(upper.shape) * spacing
+    # number of the half octave below the longest wave
     bands = np.floor(2.0 * np.log2(np.maximum(wave, 1e-300) * longest) + 0.5).astype(int)
     kept = (bands >= 0) & (wave <= 0.5 / spacing)
     count = bands[kept].max() + 1

@@ -21,7 +21,9 @@ LARGEST_DRAW = 400  # most cells along a side of these walls
 TAIL = 50.0 * (1.0 - 0.95)  # percentage beyond each limit of a 95 % interval
 _SEED = 1  # of the random numbers of intervals, which are the same for all walls
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
+"""Names of the RMS slopes of a wall."""
 _EXPONENTS = ("H along x", "H along y", "H, both directions")
+"""Names of the Hurst exponents of a wall."""
 
 
 class Measure(NamedTuple):
@@ -36,7 +38,7 @@ class Measure(NamedTuple):
 
 
 def measure_of(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> Measure:
-    """Make a measure of a value, first, and of its scatter (1 + n,)."""
+    """Return a measure from its value and the values by which it scatters, together (1 + n,)."""
     low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
     return Measure(name, float(values[0]), float(low), float(high), unit, remark)
 
@@ -70,8 +72,10 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     first = scatter["H by first differences"]
     add("H by first differences", first, remark=f"{reach}; lower, see the docs")
     for name, relation in RELATIONS.items():
-        found = slope_at(relation.interval, scatter, scatter[_SLOPES[2]], spacing, first[0])
-        jrc, remark = jrc_by(relation, *found)
+        found = slope_over_interval(
+            relation.interval, scatter, scatter[_SLOPES[2]], spacing, first[0]
+        )
+        jrc, remark = jrc_of_relation(relation, *found)
         add(f"JRC, {name}", jrc, remark=remark)
     for axis in "xy":
         add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
@@ -91,7 +95,10 @@ def lags_of(cells: int) -> np.ndarray:
 
 
 def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
-    """Height ``lag`` cells further along an axis less that of the cell, ``order`` times."""
+    """Return differences of a wall (y, x) over ``lag`` cells along an axis, of an ``order``.
+
+    That of order 1 is the height further along the axis less the height of the cell.
+    """
     along = heights.T if axis == "x" else heights
     for _ in range(order):
         along = along[lag:] - along[:-lag]
@@ -133,12 +140,12 @@ def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]
     along_x = rms["second_x"] ** 2
     along_y = rms["second_y"] ** 2
     for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
-        scaling[name] = hurst_by(distances, values)
+        scaling[name] = hurst_of_squares(distances, values)
     first = rms["x"] ** 2 + rms["y"] ** 2
-    return scaling | {"H by first differences": hurst_by(distances, first)}
+    return scaling | {"H by first differences": hurst_of_squares(distances, first)}
 
 
-def hurst_by(distances: np.ndarray, squares: np.ndarray) -> float:
+def hurst_of_squares(distances: np.ndarray, squares: np.ndarray) -> float:
     """Return the Hurst exponent: half the slope of log mean squares over log distances (n,).
 
     The shortest distance is left out.
@@ -210,7 +217,7 @@ def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dict[str, np.ndarray]:
-    """Return means of all fields: (1 + resamples,), those of the whole wall first."""
+    """Return means of local quantities, and of resamples of their tiles: (1 + resamples,)."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
@@ -243,7 +250,7 @@ def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
     return float(np.mean(jrcs)) if jrcs else float("nan")
 
 
-def slope_at(
+def slope_over_interval(
     interval: float,
     scatter: dict[str, np.ndarray],
     slope: np.ndarray,
@@ -262,8 +269,11 @@ def slope_at(
     return carried, f"Z2 carried from {1e3 * spacing:.4g} to its {1e3 * interval:g} mm by H"
 
 
-def jrc_by(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
-    """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark (`slope_at`)."""
+def jrc_of_relation(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
+    """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark.
+
+    ``how`` tells how the slopes were found (`slope_over_interval`).
+    """
     jrc = relation.jrc(slope)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
     remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"

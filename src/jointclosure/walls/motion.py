@@ -137,7 +137,11 @@ def flip_about_middle(points: np.ndarray, flip: np.ndarray) -> Motion:
 
 
 def laid_on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
-    """Lay nodes of a grid on those of another, one at ``low`` (x, y), if within ``most`` [m]."""
+    """Displace a motion so that nodes of the moved grid lie on those of another one.
+
+    That has a node at ``low`` (x, y) [m]. The motion is returned as it is if the grids are turned
+    against each other, or a corner would move by more than ``most`` [m].
+    """
     whole = np.rint(motion.rotation)
     if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
         return motion
@@ -160,7 +164,7 @@ def moved_heights(
     are found.
     """
     holes = gridding.holes(np.isfinite(scan.heights))
-    whole = gridding.without_dropouts(scan.heights, holes)
+    whole = gridding.fill_dropouts(scan.heights, holes)
     missing = (~np.isfinite(whole)).astype(float)
     spline = scipy.ndimage.spline_filter(gridding.nearest_filled(whole))
     first = np.array(scan.origin or (0.0, 0.0))
@@ -168,7 +172,8 @@ def moved_heights(
     back = motion.rotation[2]  # direction of the new z before the motion
     rise = back[2] - slopes[0] * back[0] - slopes[1] * back[1]
 
-    def at(nodes: np.ndarray) -> np.ndarray:
+    def heights_at(nodes: np.ndarray) -> np.ndarray:
+        """Find heights (...) [m] at nodes (..., 2): Newton's method with the slope of the plane."""
         points = np.concatenate([nodes, np.full((*nodes.shape[:-1], 1), motion.place[2])], axis=-1)
         for _ in range(_INVERSIONS):
             before = motion.moved_back(points)
@@ -179,7 +184,7 @@ def moved_heights(
         lost = scipy.ndimage.map_coordinates(missing, places, order=1, cval=1.0)
         return np.where(lost > 1e-6, np.nan, points[..., 2])
 
-    return at
+    return heights_at
 
 
 def _spline_values(spline: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -390,6 +395,7 @@ def _least_squares_fit(
     """
     fine = upper.smoothed(smoothing)
     heights = lower.smoothed(smoothing)
+    # cells from one used point to the next: half a width of the smoothing, or more for many cells
     step = max(math.ceil(math.sqrt(fine.size / MOST_POINTS)), int(0.5 * smoothing))
     listed = np.isfinite(fine[::step, ::step])
     row, column = step * np.array(np.nonzero(listed))

@@ -7,7 +7,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.roughness import plane_through
 
-NEIGHBOURS = 8
+NEIGHBOURS = 8  # nearest points with which the height of a point is compared
 ROUNDS = 4  # most rounds of spike removal: higher spikes hide others
 PLATEAU = 5.0
 """Connected points of equal height beyond which a plateau is no rock: this times log10(points) / (1
@@ -19,7 +19,11 @@ are contacts. Of Gaussian fields that are cut at 0 it is below 1, and 1.2 withou
 
 
 def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
-    """Return which points (n, 3) are in a small one of their `patches` (n,), or far in height."""
+    """Return which points (n, 3) belong to no wall: those in small patches, and far off in height.
+
+    ``patch`` (n,) are the numbers of their patches; far off is beyond 20 times the range from the 1
+    % to the 99 % quantile.
+    """
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
     stray = _in_small_patches(patch)
@@ -32,7 +36,10 @@ def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
 
 
 def patches(places: np.ndarray) -> np.ndarray:
-    """Return the number of the patch of places (n, 2), which are far apart."""
+    """Return the number (n,) of the patch to which each place (n, 2) belongs.
+
+    Patches are apart by more than about five times the usual distance of places.
+    """
     distances = scipy.spatial.cKDTree(places).query(places, k=2)[0][:, 1]
     if not (distances > 0.0).any():
         return np.zeros(len(places), int)
@@ -43,7 +50,10 @@ def patches(places: np.ndarray) -> np.ndarray:
 
 
 def _in_small_patches(patch: np.ndarray) -> np.ndarray:
-    """Return which points are in patches, by number (n,), of less than 1 %, but the largest."""
+    """Return which points (n,) are in patches of less than 1 % of all points, given patches (n,).
+
+    The largest patch is never a small one.
+    """
     members = np.bincount(patch)
     small = members < 0.01 * len(patch)
     small[members.argmax()] = False
@@ -66,7 +76,10 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def spikes(points: np.ndarray) -> np.ndarray:
-    """Return heights [m] of points (n, 3) beyond all neighbours but one, else NaN: (n,)."""
+    """Return heights (n,) [m] by which points (n, 3) exceed all neighbours but one; NaN for others.
+
+    Only sharp ones count: beyond eight times the usual difference of neighbours.
+    """
     found = np.full(len(points), np.nan)
     left = np.arange(len(points))
     for _ in range(ROUNDS):
@@ -89,8 +102,11 @@ def spikes(points: np.ndarray) -> np.ndarray:
     return found
 
 
-def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
-    """Remove spikes of a scan, cells of a grid become missing; and describe them, or ""."""
+def remove_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
+    """Remove the spikes of a scan, and describe them.
+
+    Cells of a grid become missing. The text is empty if there are none.
+    """
     points = points_of(scan)
     heights = spikes(points)
     cut = np.isfinite(heights)
@@ -105,8 +121,11 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
     )
 
 
-def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
-    """Remove plateaus and planes that no rough wall has, with a remark; not of a flat scan."""
+def remove_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
+    """Remove plateaus and planes that no rough wall has, with a warning.
+
+    Where they are most of the scan, its wall is flat or stepped, and they are kept.
+    """
     points = points_of(scan)
     pairs = neighbours(scan)
     size = _plateau_sizes(points[:, 2], pairs)
@@ -164,7 +183,11 @@ def neighbours(scan: Scan | Cloud) -> np.ndarray:
 
 
 def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """Return the size of the plateau of each point (n,), 0 outside, from pairs of neighbours."""
+    """Return the number of points of the plateau of each point (n,), 0 for points in none.
+
+    A plateau are connected points of equal height, more than `PLATEAU` allows. ``pairs`` (m, 2) are
+    neighbours.
+    """
     level = np.unique(heights, return_inverse=True)[1]
     steps = np.abs(np.diff(level[pairs], axis=1).ravel())
     of_one_step = float((steps == 1).sum()) / max(int((steps > 0).sum()), 1)
@@ -175,7 +198,10 @@ def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
 
 
 def _plane_sizes(heights: np.ndarray) -> np.ndarray:
-    """Return the size of the patch of a plane of each cell (y, x) of a grid, 0 outside."""
+    """Return the number of cells of the plane patch of each cell (y, x) of a grid, 0 outside.
+
+    Second differences are nearly 0 on a plane, inclined or not.
+    """
     around = np.pad(heights, 1, constant_values=np.nan)
     along_y = np.diff(around[:, 1:-1], 2, axis=0)
     along_x = np.diff(around[1:-1], 2, axis=1)

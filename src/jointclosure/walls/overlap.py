@@ -70,7 +70,7 @@ def overlap_of(
             wall = at(nodes) - common
         scattered = np.isfinite(cloud[:, 2]).all() and at is None
         hole = _hole_cells(wall, gridding.REACH * distance / spacing if scattered else 0.0)
-        walls.append(np.where(hole, np.nan, gridding.without_dropouts(wall, hole)))
+        walls.append(np.where(hole, np.nan, gridding.fill_dropouts(wall, hole)))
         holes.append(hole)
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))
@@ -117,7 +117,10 @@ def _check_size(shape: tuple[int, ...], spacing: float, more: str = "") -> None:
 
 
 def _fitted_plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Fit slopes along x and y, and height at the origin, of the points in a window."""
+    """Fit a plane to the points (n, 3) between two places (x, y) [m].
+
+    Return its slopes along x and y, and its height at the origin [m].
+    """
     inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
     inside &= np.isfinite(points[:, 2])
     if inside.sum() < 4:

@@ -27,7 +27,7 @@ _SAMPLE = 20_000  # most nodes, and points, that are asked for their neighbours
 
 
 def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
-    """Raise `InputError` if both scans are the same, or sizes or spacing [m] are no wall's."""
+    """Raise `InputError` if both scans are the same, or if sides or spacing [m] are unusual."""
     clouds = points_of(upper), points_of(lower)
     if np.array_equal(*clouds):
         raise InputError(f"upper and lower: the same scan was given twice; {AS_IT_IS}")
@@ -38,7 +38,11 @@ def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> Non
 
 
 def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
-    """Raise `InputError` if walls are interchanged (``gap`` (y, x) [m]), or one is a copy."""
+    """Raise `InputError` if walls are interchanged, or one is a copy of the other.
+
+    ``gap`` (y, x) [m] is the upper wall less the lower one, ``correlation`` that of their heights
+    towards each other. Only scans in a ``common_frame`` show whether they are interchanged.
+    """
     if abs(correlation) > 1.0 - 1e-6:
         raise InputError(
             f"upper and lower: their heights correlate by {correlation:.7g}, so that one is a "
@@ -64,7 +68,11 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
 
 
 def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str], list[str]]:
-    """Describe walls with heights in another unit: contradictions, and walls unlike rock."""
+    """Describe walls (y, x) [m] whose heights are probably in another unit than x and y.
+
+    The first list are contradictions between both walls, the second walls whose slopes are unlike
+    those of rock.
+    """
     slopes = _slopes_of_rough(walls, spacing)
     contradictions = []
     doubts = []
@@ -170,7 +178,11 @@ def smoothing_of(
     low: np.ndarray | None = None,
     high: np.ndarray | None = None,
 ) -> tuple[Caution, ...]:
-    """Warn of the slope that a wall (y, x) [m] between two places (x, y) lost by interpolation."""
+    """Warn if a wall (y, x) [m] lost slopes because its heights were interpolated between points.
+
+    Its first and last node are at ``low`` and ``high`` (x, y) [m]. The rms slope of the wall is
+    compared with that between scanned points which are about one cell apart.
+    """
     points = points_of(scan)
     if low is None:
         at = scan.origin or (0.0, 0.0) if isinstance(scan, Scan) else points[:, 1::-1].min(axis=0)

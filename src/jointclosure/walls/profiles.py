@@ -13,13 +13,13 @@ from jointclosure.walls.measures import (
     DRAWS,
     Measure,
     difference,
-    hurst_by,
-    jrc_by,
+    hurst_of_squares,
+    jrc_of_relation,
     lag_of,
     lags_of,
     measure_of,
     scattered,
-    slope_at,
+    slope_over_interval,
 )
 from jointclosure.walls.roughness import RELATIONS, detrended
 from jointclosure.walls.scans.contents import (
@@ -229,10 +229,12 @@ def measure_profile(heights: np.ndarray, spacing: float) -> list[Measure]:
         measure_of("Rp, length over that of the line", scatter["Rp"]),
     ]
     for name, relation in RELATIONS.items():
-        found = slope_at(relation.interval, scatter, scatter["Z2"], spacing, scatter["H"])
-        jrc, remark = jrc_by(relation, *found)
+        found = slope_over_interval(
+            relation.interval, scatter, scatter["Z2"], spacing, scatter["H"]
+        )
+        jrc, remark = jrc_of_relation(relation, *found)
         measures.append(measure_of(f"JRC, {name}", jrc, remark=remark))
-    slope, how = slope_at(1e-3, scatter, scatter["Z2"], spacing, scatter["H"])
+    slope, how = slope_over_interval(1e-3, scatter, scatter["Z2"], spacing, scatter["H"])
     jrc = -4.3 + 54.6 * slope + 4.3 * scatter["H"]  # the slope is s [mm] over 1 mm
     return [*measures, measure_of("JRC, stigsson_mas_ivars", jrc, remark=f"{how}, and H")]
 
@@ -252,7 +254,7 @@ def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
             scaling[f"Z2 at {lag}"] = rms(lag) / (lag * spacing)
     second = np.array([rms(lag, 2) ** 2 for lag in lags])
     bent = second > 0.0  # not where heights repeat
-    scaling["H"] = hurst_by(lags[bent], second[bent])
+    scaling["H"] = hurst_of_squares(lags[bent], second[bent])
     return scaling
 
 

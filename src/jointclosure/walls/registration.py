@@ -27,11 +27,11 @@ from jointclosure.walls.motion import (
     refined_motion,
     surface_of,
 )
-from jointclosure.walls.outliers import without_spikes
+from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scan_defects import inspected
-from jointclosure.walls.scan_errors import ScanErrors, differs, noise_of, scale_of
+from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
     MOVED,
     noise_of_scan,
@@ -56,10 +56,9 @@ _FAR = 1.5
 """Closure until one cell in a thousand touches, in standard deviations of the aperture, from which
 the first contact may be a spike."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
-SHIFTS = ("scanned", "mated")
-SPIKES = ("keep", "cut")
+SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
+SPIKES = ("keep", "cut")  # what is done with spikes
 _SIDES = ("upper", "lower")
-
 
 ORIENTATIONS = {
     "common_frame": "z upwards on both scans",
@@ -69,7 +68,9 @@ ORIENTATIONS = {
 }
 """Orientations of the upper wall's scan, each compared over the full circle."""
 _SIGNS = (1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)
+"""Signs by which each orientation multiplies x, y and z of the upper wall's scan."""
 _FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
+"""The same as matrices (3, 3), by the names of the orientations."""
 
 
 class FineWalls(NamedTuple):
@@ -150,7 +151,7 @@ class RegisteredPair(NamedTuple):
             offset, covariance, middle, noise, fine.holes,
             walls=walls if self.fine else None, step=fine.step,
             waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)),
-            scale=relative if differs(relative, error) else 1.0,
+            scale=relative if scales_differ(relative, error) else 1.0,
         )  # fmt: skip
 
 
@@ -186,7 +187,7 @@ def registered(
         default. Walls that do not mate stay as scanned; they need their orientation.
     spikes : {"keep", "cut"}
         Whether to leave out points that differ from all but one of their neighbours
-        (`jointclosure.walls.outliers.without_spikes`).
+        (`jointclosure.walls.outliers.remove_spikes`).
     largest_filled_share : float
         Largest share of cells in holes inside the walls for which they are taken out of contact:
         they receive the height of the other wall and the largest aperture of the cells around.
@@ -246,7 +247,7 @@ def registered(
         fine=fine, waves=waves, rounding=_rounding_of_sum(prepared),
         scan_noise=tuple((side, *noise_of_scan(scan)) for side, scan in prepared.measured.items()),
     )  # fmt: skip
-    if not flat and differs(*(scale := scale_of(*walls))):
+    if not flat and scales_differ(*(scale := scale_of(*walls))):
         report.append(_scale_caution(*scale))
     contradictions, unlike_rock = plausibility.unit_doubts(_by_side(pair), spacing)
     if not unusual_values:
@@ -291,7 +292,7 @@ def _prepared_scans(
         whole = inspected(scan) if inspect else scan
         measured[side] = whole
         if cut_spikes:
-            measured[side], removed = without_spikes(whole)
+            measured[side], removed = remove_spikes(whole)
             if removed:
                 spiky[side] = f"{side} wall: {removed}; they were cut"
     # levelling interpolates the heights of grids, so noise and resolution are measured before it
@@ -744,6 +745,7 @@ def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
 
 
 def _describe_mating(mismatch: Mismatch) -> str:
+    """Describe at which wavelengths walls are mated."""
     if mismatch.wavelength == 0.0:
         return "the walls are mated at all wavelengths of the grid"
     if np.isinf(mismatch.wavelength):

@@ -36,7 +36,8 @@ RELATIONS = {
     "tatone_grasselli_1mm": Relation("power", 55.03, -6.10, 1e-3, 0.74),  # 2010
     "jang": Relation("power", 51.16, -11.44, 0.5e-3, 0.531),  # Jang et al. 2014
 }
-DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"
+"""Relations of JRC and Z2 of the literature, each beside its source."""
+DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"  # at the spacing of the paper's walls
 
 
 def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:

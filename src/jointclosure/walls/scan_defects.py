@@ -12,7 +12,7 @@ import scipy
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.walls.gridding import Cloud, Scan
-from jointclosure.walls.outliers import without_plateaus
+from jointclosure.walls.outliers import remove_plateaus
 from jointclosure.walls.scan_quality import step_of
 
 LARGEST_BLOCK = 4  # cells along a side of blocks of equal heights that are looked for
@@ -35,16 +35,21 @@ _RIM_CELLS = 3  # number of these cells where the share is fewer; chosen
 
 
 def inspected(scan: Scan | Cloud) -> Scan | Cloud:
-    """Undo defects of a scan, also plateaus, with a warning of each; points lack a grid."""
+    """Undo the defects of a scan that its heights show, with a warning of each.
+
+    Those of profiles, blocks and rims are found in grids only; plateaus also in points.
+    """
     if isinstance(scan, Scan):
-        for undo in (without_blocks, with_profiles_in_line, without_rim):
+        for undo in (merge_equal_blocks, align_profiles, cut_rim):
             scan = undo(scan)
-    scan = without_plateaus(scan)
-    return without_smooth_patches(scan) if isinstance(scan, Scan) else scan
+    scan = remove_plateaus(scan)
+    return mask_smooth_patches(scan) if isinstance(scan, Scan) else scan
 
 
 def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
-    """Undo defects of scans that lie on each other; of grids the cells are kept that all have.
+    """Undo the defects of scans whose cells lie on each other, so that they still do.
+
+    Of grids the cells are kept that all have afterwards.
 
     Raises
     ------
@@ -85,7 +90,7 @@ def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cl
     return kept
 
 
-def without_blocks(scan: Scan) -> Scan:
+def merge_equal_blocks(scan: Scan) -> Scan:
     """Take one height of each block of n x n equal ones, at its middle: it was measured once."""
     heights = scan.heights
     for size in range(LARGEST_BLOCK, 1, -1):
@@ -128,7 +133,7 @@ def _first_of_blocks(heights: np.ndarray, axis: int, size: int) -> int | None:
     return (between + 1) % size
 
 
-def with_profiles_in_line(scan: Scan) -> Scan:
+def align_profiles(scan: Scan) -> Scan:
     """Move profiles back that lie whole cells aside of their neighbours, as after lost steps."""
     for axis, name in ((0, "rows"), (1, "columns")):
         heights = scan.heights if axis == 0 else scan.heights.T
@@ -215,7 +220,7 @@ def _clear_shifts(
     return shifts, scores
 
 
-def without_rim(scan: Scan) -> Scan:
+def cut_rim(scan: Scan) -> Scan:
     """Cut profiles at the edges whose mean height differs from the wall's by a sharp step."""
     cuts = []
     for axis in (0, 1):
@@ -240,7 +245,7 @@ def without_rim(scan: Scan) -> Scan:
 
 
 def _rim_width(heights: np.ndarray, axis: int) -> int:
-    """Return the number of profiles at the start of an axis that are a rim."""
+    """Return the number of profiles at the start of an axis that are a rim, 0 if there is none."""
     side = heights.shape[axis]
     most = max(int(_RIM_SHARE * side), _RIM_CELLS)
     if side < 8 * most or min(heights.shape) < 24:
@@ -257,6 +262,7 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
     inner = inner[np.isfinite(inner)]
     if len(inner) < 8 or not known[: most + 2].all():
         return 0
+    # standard deviation of normal values by the median deviation, which a rim does not affect
     usual = 1.4826 * float(np.median(np.abs(inner - np.median(inner))))
     sharp = np.flatnonzero(np.abs(bends[1 : most + 1]) > RIM * usual)
     # a step between profiles bends the means on both of its sides, in opposite directions
@@ -266,8 +272,8 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
     return int(max(ends, default=0)) + (1 if ends else 0)
 
 
-def without_smooth_patches(scan: Scan) -> Scan:
-    """Treat patches without short waves as missing, as fills of holes that no wall has."""
+def mask_smooth_patches(scan: Scan) -> Scan:
+    """Treat patches without short waves as missing: they are filled holes, which no wall has."""
     heights = scan.heights
     around = np.pad(heights, 1, constant_values=np.nan)
     bend = np.diff(around[:, 1:-1], 2, axis=0) ** 2 + np.diff(around[1:-1], 2, axis=1) ** 2

@@ -259,6 +259,6 @@ def scale_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
     return math.exp(0.5 * scale), math.sqrt(1.0 / float(weight.sum()))
 
 
-def differs(scale: float, error: float) -> bool:
+def scales_differ(scale: float, error: float) -> bool:
     """Return whether the heights of two walls clearly have different scales."""
     return abs(math.log(scale)) > max(_LEAST_SCALE, _CLEAR_SCALE * error)

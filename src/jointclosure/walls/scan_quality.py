@@ -64,7 +64,11 @@ class Rounding(NamedTuple):
 
 
 def step_of(values: np.ndarray) -> float:
-    """Return the step of which all differences of values (n,) are multiples; 0 if continuous."""
+    """Return the step of which all differences of values (n,) are multiples; 0 if there is none.
+
+    It is found as by Euclid's algorithm: the smallest difference, then the smallest remainder of
+    the others, until none is left but rounding.
+    """
     levels = np.unique(values[np.isfinite(values)])
     if len(levels) < 3:
         return 0.0
@@ -130,6 +134,7 @@ def _grows_faster(squares: np.ndarray, most: float) -> bool:
 def _mean_squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
     """Return mean squared third differences at `_LAGS` less those of rounding, NaN if unknown."""
     side = heights.shape["yx".index(axis)]
+    # mean square of such a difference of rounding errors (variance step^2 / 12), over the step^2
     noise = math.comb(2 * _ORDER, _ORDER) / 12.0
     squares = np.full(len(_LAGS), np.nan)
     for place, lag in enumerate(_LAGS):
@@ -201,6 +206,7 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
     squares = whole / all_counts
     if not (squares > 0.0).all():
         return math.nan, math.nan
+    # all of the differences at the shortest lag along either axis would be noise
     most = float(squares[:: len(_NOISE_LAGS)].min()) / _WHITE
     student = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(blocks) - 1)
     ends = []
@@ -295,15 +301,17 @@ def resolution_remarks(
     steps = [np.diff(wall, axis=axis) for axis in (0, 1)]
     square = float(np.nanmean(np.concatenate([part.ravel() ** 2 for part in steps])))
     rounding = rounding_of(scan)
-    errors = {
-        f"heights are multiples of {1e6 * rounding.heights:.4g} um": rounding.heights**2 / 6.0
-    }
+    # what is wrong, and the squared difference of neighbours [m^2] that comes from it
+    errors = [
+        (f"heights are multiples of {1e6 * rounding.heights:.4g} um", rounding.heights**2 / 6.0)
+    ]
     if isinstance(scan, Cloud):
         noise = noise_of_points(scan)
-        errors[
+        about = (
             f"heights of points close to each other differ by noise of {1e6 * noise:.2g} um, or by "
             "passes of the scanner that lie apart"
-        ] = 2.0 * noise**2
+        )
+        errors.append((about, 2.0 * noise**2))
         distance = point_distance(scan)
         if rounding.places > 0.1 * distance:
             remarks.append(
@@ -313,7 +321,7 @@ def resolution_remarks(
                     "slopes; export more digits of x and y"
                 )
             )
-    for about, excess in errors.items():
+    for about, excess in errors:
         if excess > 2.0 * MOVED * square:
             remarks.append(_error_caution(about, square, excess, spacing))
     return remarks
@@ -331,7 +339,10 @@ def lost_waves(wave: float, spacing: float) -> Caution:
 
 
 def _error_caution(about: str, square: float, excess: float, spacing: float) -> Caution:
-    """Describe the rms slope and JRC with and without an excess of squared differences [m^2]."""
+    """Warn of an error that raises the rms slope and the JRC, with their values.
+
+    ``square`` are mean squared differences of neighbours [m^2], ``excess`` the part by the error.
+    """
     relation = RELATIONS[DEFAULT_RELATION]
     slopes = [math.sqrt(max(part, 0.0)) / spacing for part in (square, square - excess)]
     jrcs = [relation.jrc(slope) for slope in slopes]
@@ -378,7 +389,10 @@ def noise_of_points(cloud: Cloud) -> float:
 def _means_by_distance(
     apart: np.ndarray, squares: np.ndarray, edges: np.ndarray, most: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean distances and squares between edges, where there are at least so many."""
+    """Return means of distances and of squares (n,) in bins, given the edges of the bins.
+
+    Bins with fewer than ``most`` values are left out.
+    """
     place = np.digitize(apart, edges)
     count = np.bincount(place, minlength=len(edges) + 1)
     kept = count >= most

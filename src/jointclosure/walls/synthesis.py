@@ -16,7 +16,7 @@ from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope,
 RULES = ("self_affine", "walk")  # relations between the long and the short waves of a wall
 NORMALISATIONS = ("wall", "expectation")  # the slope is that of every wall, or of the average
 ROLL_OFF = 3e-3  # wavelength [m] beyond which spectra are flat (docs/decisions.md#0013-readings)
-_LN2 = 0.6931471805599453
+_LN2 = 0.6931471805599453  # natural logarithm of 2
 
 
 class Spectrum(NamedTuple):
@@ -234,7 +234,10 @@ def generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
 def scaled_together(
     upper: np.ndarray, lower: np.ndarray, z2: float, spacing: float, slope: float | None = None
 ) -> Walls:
-    """Scale two walls by one factor, so that their slope, by default pooled, has the RMS ``z2``."""
+    """Scale two walls (y, x) [m] by one factor to an RMS slope ``z2``.
+
+    ``slope`` is their present one, by default pooled from both.
+    """
     if slope is None:
         slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]))
     return upper * (z2 / slope), lower * (z2 / slope)
@@ -243,7 +246,10 @@ def scaled_together(
 def _partly_mated(
     wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
 ) -> Walls:
-    """Generate walls (y, x) with common waves beyond a wavelength [cells], the upper's shifted."""
+    """Generate walls (y, x) [cells] whose waves beyond a wavelength [cells] are common, others not.
+
+    The upper wall is shifted along x by some cells.
+    """
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (_random_waves(size, spectrum, random) for random in generators(seed))
     lower = np.where(np.hypot(*wave_numbers(*size)) * wavelength < 1.0, -upper, other)
@@ -277,6 +283,7 @@ def check_mismatch(wavelength: float | None, correlation: float) -> None:
 def _check_wall_arguments(
     shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int
 ) -> None:
+    """Raise `InputError` if an argument of `wall_pair` is out of its range."""
     check_number("hurst", hurst)
     check_number("correlation", correlation)
     check_count("shift_in_cells", shift_in_cells, 0)

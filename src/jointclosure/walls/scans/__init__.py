@@ -17,14 +17,17 @@ from jointclosure.walls.scans.points import contents_of
 
 
 class Format(NamedTuple):
-    """Format of files: title, reader; whether a variable chooses, whether sizes are read first."""
+    """Format of files, and the function that reads it."""
 
-    title: str
+    title: str  # in messages
     read: Callable[..., Contents]
-    named: bool = False
-    in_parts: bool = False
+    named: bool = False  # whether `read` takes the name of a variable
+    in_parts: bool = (
+        False  # whether sizes are checked before values are read, so files may be large
+    )
 
 
+# Formats that several suffixes have.
 _NETCDF = Format("netCDF", grids.read_netcdf_grid, named=True, in_parts=True)
 _TIFF = Format("TIFF", functools.partial(grids.read_raster, driver="GTiff"), in_parts=True)
 _TEXT = Format("points", text.read_text, named=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from jointclosure.inputs import InputError
 
-_MAGIC = b"\x89HDF\r\n\x1a\n"
+_MAGIC = b"\x89HDF\r\n\x1a\n"  # first bytes of an HDF5 file
 _STARTS = (0, *(512 << power for power in range(20)))  # where the first block of a file may be
 _LINK = re.compile(rb"\x01[\x08-\x1f]\x40", re.DOTALL)  # version, flags with a type, external
 _EXTERNAL = re.compile(rb"\x01\x00\x00\x00(..)(..)\Z", re.DOTALL)  # slots: allocated and used
@@ -35,6 +35,7 @@ def check_contained(path: Path) -> None:
 
 
 def _bytes_at(file, start: int) -> bytes:
+    """Return as many bytes of a file from a place on as `_MAGIC` has."""
     file.seek(start)
     return file.read(len(_MAGIC))
 
@@ -58,6 +59,7 @@ def _reference_to_other_file(content: mmap.mmap, base: int) -> str | None:
 
 
 def _find_all(content: mmap.mmap, word: bytes) -> Iterator[int]:
+    """Generate the places at which some bytes occur in a file."""
     place = content.find(word)
     while place >= 0:
         yield place

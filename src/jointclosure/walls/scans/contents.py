@@ -22,7 +22,7 @@ VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of libraries
 _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
-
+"""Name of a column with a unit: "Z_mm", "Z / mm", "Z, mm", "Z in mm", "Z [mm]" or "Z (mm)"."""
 _FOREIGN = frozenset({
     "cm", "dm", "km", "pm", "inch", "inches", "ft", "feet", "foot", "mil", "mils", "thou", "px",
     "pixel", "pixels", "angstrom", "centimetre", "centimetres", "centimeter", "centimeters",
@@ -32,7 +32,7 @@ _FOREIGN = frozenset({
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
 """Values that count as missing if they are beyond all other values."""
 _ROWS = 200  # most rows whose precision is checked
-_DOUBLE = np.dtype(float)
+_DOUBLE = np.dtype(float)  # type in which all heights are kept
 LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
 
 
@@ -107,7 +107,10 @@ def reading_as(title: str) -> Iterator[None]:
 
 
 def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
-    """Return units in which a wall with sides in the file's units is usual, and words on them."""
+    """Return the units in which a wall of these sides is usual, and words on it for messages.
+
+    ``sides`` (x, y) are in the units of the file; without them any unit is usual.
+    """
     if sides is None:
         return [*UNITS], ""
     smallest, largest, _ = USUAL["side_of_scan"]
@@ -140,7 +143,7 @@ def settled(
     return units
 
 
-def agreed(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
+def agreed_spacing(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
     """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
     units = next((each.units for each in statements if each.units), None)
     stated = [each.spacing * unit_ratio(each.units, units) for each in statements]
@@ -155,7 +158,7 @@ def agreed(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
 
 
 def unit_ratio(units: str | None, target: str | None) -> float:
-    """Return a unit over another one, 1 if one is not stated."""
+    """Return the factor from a unit of length to another; 1 if one of them is not stated."""
     return size_of(units) / size_of(target) if units and target and units != target else 1.0
 
 
@@ -283,7 +286,7 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
             remarks = (*remarks, f"{empty} points without a height were left out")
         return Cloud(known * np.array([across, across, height]), remarks)
     steps = _spacing(stated * across, spacing)
-    agreed([Statement("the grid", np.array(steps) / across, lengths), *contents.stated])
+    agreed_spacing([Statement("the grid", np.array(steps) / across, lengths), *contents.stated])
     y, x = contents.origin
     origin = None if np.isnan(y + x) else (y * across, x * across)
     heights = real(contents.heights)
@@ -301,7 +304,7 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
 
 
 def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
-    """Return the spacing (dy, dx) [m] that a file states, NaN where not, or the caller."""
+    """Return the spacing (dy, dx) [m] as the file states it, else as the caller does."""
     unstated = np.isnan(stated)
     if spacing is None and unstated.any():
         axes = " and ".join(axis for axis, missing in zip("yx", unstated, strict=True) if missing)

@@ -19,7 +19,7 @@ from jointclosure.walls.scans.contents import (
     VARIABLE,
     Contents,
     Statement,
-    agreed,
+    agreed_spacing,
     check_array,
     listing,
     reading_as,
@@ -48,8 +48,8 @@ _OF_LIBRARIES = (
     "institution", "references", "grid_mapping",
 )  # fmt: skip
 """Attributes of netCDF files that libraries apply, or that describe the file in free words."""
-_NEEDED = ("ncols", "nrows")
-_PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
+_NEEDED = ("ncols", "nrows")  # words that the header of an ESRI grid must have
+_PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")  # words that state its place
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")  # words of an ESRI header
 INSTRUMENTS = re.compile(
     "Wyko ASCII|File Format *= *ASCII|Bit2nm|NT-MDT|height conversion factor"
@@ -120,7 +120,7 @@ def grid_of(
         if len(step) > 1 or not 0.0 < step[0] < math.inf:
             raise InputError(f"{key} = {listing(step)}: must be one number, positive and finite")
         statements.append(Statement(key, step * _NUMBERS[kinds[key]], beside[key].units))
-    spacing, length_units = agreed(
+    spacing, length_units = agreed_spacing(
         statements + header.statements(np.shape(np.asarray(contents.heights)))
     )
     length_units = same_units(name, length_units, header.length_units)
@@ -219,7 +219,10 @@ def _loaded(name: str, array: Array) -> np.ndarray:
 
 
 def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
-    """Return the stated array of a file, otherwise the only one over (y, x) that is no place."""
+    """Return the name of the array with heights: as stated, else the only one over (y, x).
+
+    Arrays named x or y are places, not heights.
+    """
     if variable is not None:
         check_one_of("variable", variable, tuple(arrays))
         return variable
@@ -360,7 +363,7 @@ def read_esri(path: Path) -> Contents:
         raise InputError(f"its header lacks {', '.join(missing)}")
     steps = _NUMBERS | {"cellsize": (1.0, 1.0)}
     stated = [Statement(key, head[key] * np.array(steps[key])) for key in head if key in steps]
-    dy, dx = agreed(stated)[0].tolist()
+    dy, dx = agreed_spacing(stated)[0].tolist()
     if math.isnan(dy + dx):
         raise InputError("its header lacks cellsize, or both dx and dy")
     shape = int(head["nrows"]), int(head["ncols"])

@@ -10,7 +10,7 @@ from jointclosure.inputs import SPELT, InputError
 from jointclosure.walls.scans.contents import (
     Contents,
     Statement,
-    agreed,
+    agreed_spacing,
     same_units,
     split_name,
     unit_in,
@@ -18,27 +18,40 @@ from jointclosure.walls.scans.contents import (
 from jointclosure.walls.scans.points import contents_of
 
 _NUMBER = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?"
+"""A number, with a decimal point or comma."""
 _MARKED = re.compile(r"(.+?)\s*[:=;,]+[\s:=;,]*(.*)")
+"""Statement with a mark, as in "pixel size: 0.1 mm": its key and its value."""
 _SPACED = re.compile(rf"(\D+?)\s+({_NUMBER}\b.*)|(.*\bunits?)\s+(\S+)", re.IGNORECASE)
+"""Statement without a mark, as in "spacing 0.1 mm" or "units mm"."""
 _VALUE = re.compile(rf"({_NUMBER}(?!\w))?[\s,;(\[]*([^\s,;)\]]*)[\s,;)\].]*")
+"""Value of a statement: a number, a unit, or both."""
 _OF_HEIGHTS = ("value", "values", "z", "height", "heights", "data", "elevation", "zvalue")
+"""Words for heights in a statement of units."""
 _OF_PLACES = ("x", "y", "xy", "lateral", "horizontal", "coordinate", "plan", "axis")
+"""Words for places in a statement of units."""
 _STEPS = (
     "spacing", "step", "stepsize", "pixelsize", "pixelspacing", "pixelpitch", "pitch", "interval",
     "samplingstep", "samplinginterval", "samplingdistance", "sampling", "increment", "calibration",
     "cellsize", "scanspacing", "gridspacing", "gridstep", "pointspacing", "pointdistance",
 )  # fmt: skip
+"""Keys that state the spacing along both axes."""
 _AXIS_STEPS = (*_STEPS, "inc", "pixel")
+"""Keys that state the spacing along an axis that they also name."""
 _SIZES = {"width": 1, "scanwidth": 1, "imagewidth": 1, "height": 0, "scanheight": 0}
+"""Keys that state the length of the wall, and the axis, 0 for y and 1 for x."""
 _COUNTS = {
     **dict.fromkeys(("columns", "ncols", "ncolumns", "nx", "xpixels", "xpoints", "horizontal"), 1),
     **dict.fromkeys(("numberofcolumns", "samplesperline", "pointsperline", "pixelsx"), 1),
     **dict.fromkeys(("rows", "nrows", "ny", "ypixels", "ypoints", "vertical", "lines"), 0),
     **dict.fromkeys(("numberofrows", "numberoflines", "pixelsy"), 0),
 }
+"""Keys that state the number of points along an axis, 0 for y and 1 for x."""
 _FACTORS = re.compile(r"scalefactor|zscale|heightscale|conversionfactor|multiplier|bit2nm|^scale$")
+"""Keys of a factor by which heights would have to be multiplied."""
 _MENTIONS = re.compile(r"units?|resolution|step|spacing|pixelsize|pitch|calibration|increment")
+"""Words of a key that probably states a unit or the spacing."""
 _LENGTH = re.compile(r"(?<![\w.])\d[\d.,]*\s*(?:mm|um|µm|μm|nm|cm|m|inch|microns?)(?!\w)")
+"""A number with a unit of length."""
 
 
 class Header(NamedTuple):
@@ -61,7 +74,7 @@ class Header(NamedTuple):
 
     def spacing(self, shape: tuple[int, ...]) -> tuple[tuple[float, float], str | None]:
         """Return the spacing (dy, dx) of a matrix (y, x) and its units."""
-        (dy, dx), units = agreed(self.statements(shape))
+        (dy, dx), units = agreed_spacing(self.statements(shape))
         dy, dx = (other if np.isnan(step) else step for step, other in ((dy, dx), (dx, dy)))
         return (float(dy), float(dx)), units or self.length_units
 

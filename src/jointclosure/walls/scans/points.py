@@ -31,6 +31,7 @@ SCATTERED = caution(
     "the points lie on no regular grid along x and y: heights between them are interpolated, which "
     "makes walls smoother"
 )
+"""Remark on scattered points."""
 
 
 def contents_of(
@@ -82,12 +83,12 @@ def _clean_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 class _Axis(NamedTuple):
-    """Step of an axis, place of node 0, and node and distance from it [steps] of each point."""
+    """Evenly spaced nodes along an axis, and where each point lies among them."""
 
-    step: float
-    first: float
-    node: np.ndarray
-    offset: np.ndarray
+    step: float  # distance of nodes
+    first: float  # place of node 0
+    node: np.ndarray  # nearest node of each point (n,)
+    offset: np.ndarray  # distance of each point from it, in steps (n,)
 
     def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
         """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
@@ -146,7 +147,7 @@ def _points_on_nodes(x: _Axis, y: _Axis) -> tuple[np.ndarray, float]:
 
 
 def _has_all_lines(axes: Sequence[_Axis | None]) -> bool:
-    """Return whether most points lie on the nodes of axes, and few lines of nodes are empty."""
+    """Return whether most points lie on nodes of both axes, and few lines of nodes are empty."""
     x, y = axes
     if x is None or y is None or (on := _points_on_nodes(x, y)[0]).mean() < 0.9:
         return False
@@ -157,7 +158,10 @@ def _has_all_lines(axes: Sequence[_Axis | None]) -> bool:
 def _equalise_steps(
     axes: Sequence[_Axis | None], points: np.ndarray
 ) -> tuple[list[_Axis | None], tuple[str, ...]]:
-    """Give axes of rounded places one step if they differ by no more than rounding; and remarks."""
+    """Give both axes of rounded places one step, if theirs differ by no more than rounding.
+
+    Return the axes, and remarks on the rounding.
+    """
     known = [axis for axis in axes if axis is not None]
     roundings = [step_of(values) for values in points[:, :2].T]
     error = max(r / np.ptp(axis.node) for r, axis in zip(roundings, known, strict=True))
@@ -235,10 +239,10 @@ def _find_axis(values: np.ndarray, apart: float) -> _Axis | None:
 
 
 def _rounded_axis(values: np.ndarray, apart: float) -> _Axis | None:
-    """Number nodes whose places were rounded coarsely, in order; None if it is not only that.
+    """Number nodes in order whose places were rounded coarsely; None if that does not explain them.
 
-    The step of the nodes is no multiple of that of the rounding, and each place lies within half
-    of the latter of its node. Nodes that are finer than the rounding have no numbers.
+    The step of the nodes is then no multiple of that of the rounding, and each place lies within
+    half of the latter of its node. Nodes that are finer than the rounding have no numbers.
     """
     levels = np.unique(values[np.isfinite(values)])
     rounding = step_of(values)

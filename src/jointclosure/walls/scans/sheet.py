@@ -31,15 +31,18 @@ _PATCH = 0.1  # share of points of a second patch that is a wall
 _TURNED = {0: ("x", "2,3,1"), 1: ("y", "3,1,2")}
 """Axes along which heights may lie, and columns that turn them to z without mirroring the wall."""
 TWO_WALLS = "a solid or both walls in one file must be cut to one wall"
+"""Advice where a file has more than one wall."""
 
 
 class _Neighbours(NamedTuple):
-    """Heights of neighbours (n, k) and of all points (m,) less planes, distances (n, k)."""
+    """Heights of neighbours, from which it is seen whether points are one sheet."""
 
-    heights: np.ndarray
-    apart: np.ndarray
-    all_heights: np.ndarray
-    raw: np.ndarray  # as given, with the plane
+    heights: (
+        np.ndarray
+    )  # of the neighbours of n points (n, k), less the plane of each neighbourhood
+    apart: np.ndarray  # distances of these neighbours in the plan (n, k)
+    all_heights: np.ndarray  # of all points (m,), less their plane
+    raw: np.ndarray  # of all points (m,), as given
 
     @property
     def scatter(self) -> float:
@@ -151,9 +154,10 @@ def vertical(axis: str, columns: str) -> str:
 
 
 def in_single_precision(values: np.ndarray) -> float:
-    """Return the step of the largest of values in single precision, 0 if they are not in it.
+    """Return the step of single precision at the largest of values that are stored in it; else 0.
 
-    Values that were rounded more coarsely, as to 0.5, may fit single precision by chance.
+    Values that were rounded more coarsely, as to 0.5, may fit single precision by chance, and count
+    as not stored in it.
     """
     known = values[np.isfinite(values)]
     if not known.size or float(np.abs(known).max()) > np.finfo(np.float32).max:

@@ -23,21 +23,23 @@ from jointclosure.walls.scans.points import LARGEST_OFFSET
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf"}
+"""Words for a missing value."""
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")  # which no text has; \x1a ends old files
-_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a text in this encoding
 _LEAST_PLACES = 5  # fewest evenly spaced numbers that are places and not heights
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
+"""A number with a decimal comma."""
 LEAST_COLUMNS = 12  # of a matrix without names; points with colours have ten
 
 
 class Table(NamedTuple):
-    """Numbers (rows, columns), NaN where missing; units of columns, names or none, the header."""
+    """Table of numbers in a text file."""
 
-    values: np.ndarray
-    names: list[str]
-    units: list[str | None]
+    values: np.ndarray  # (rows, columns), NaN where missing
+    names: list[str]  # of the columns, or none
+    units: list[str | None]  # of the columns, by a line of units; None where it has none
     remarks: tuple[str, ...]
-    header: Header = Header()
+    header: Header = Header()  # statements of the other lines
 
 
 class _Form(NamedTuple):
@@ -229,6 +231,7 @@ def is_text(start: bytes) -> bool:
 
 
 def _decode(content: bytes) -> str:
+    """Return the text of a file in UTF-8, UTF-16 or Latin-1."""
     if content.startswith(_UTF_16):
         return content.decode("utf-16")
     try:
@@ -238,6 +241,7 @@ def _decode(content: bytes) -> str:
 
 
 def _detect_form(line: str) -> _Form:
+    """Return the separator and the decimal sign of a line of numbers."""
     for mark in (";", "\t"):
         if mark in line.strip():
             return _Form(mark, "," if "," in line and "." not in line else ".")
@@ -291,6 +295,7 @@ def _is_units(line: str, words: list[str]) -> bool:
 
 
 def _split_names(line: str) -> list[str]:
+    """Return the words of a line of names, each with a unit in brackets behind it."""
     mark = next((mark for mark in (";", "\t", ",") if mark in line), None)
     glued = line if mark else re.sub(r"\s+([(\[])", r"\1", line)
     words = [word.strip().strip('"') for word in glued.split(mark)]
