@@ -111,40 +111,40 @@ setup-slurm: $(STAMP) ## Add what Slurm needs to it
 study: $(STAMP) ## Run the paper's study, or that of CONFIG
 	@$(SNAKEMAKE) $(GIVEN)
 
-smoke: $(STAMP) ## Run the paper's study made small
+smoke: $(STAMP) ## Run a small version of the paper's study
 	@$(SNAKEMAKE) --configfile config/smoke.yaml
 
 report: $(STAMP) ## Write the study, or that of CONFIG, as one page to read: results/<study>/report.html
 	@$(SNAKEMAKE) $(GIVEN) -- all report
 
-conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on, of all studies that were run
+conclusions: $(STAMP) ## Tabulate the evidence for each conclusion of the paper, from all studies that were run
 	@$(SNAKEMAKE) $(GIVEN) -- all conclusions
 
-hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an oracle judge them
+hard-cases: $(STAMP) ## Simulate joints at the limits of the model, and check them by an independent implementation
 	@$(SNAKEMAKE) -- hard_cases
 
 assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
 	@$(SNAKEMAKE) --configfile studies/assessment/usual.yaml $${CONFIG:+"$$CONFIG"} -- assessment
 
-mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (23 core-minutes)
+mismatch: $(STAMP) ## Simulate mated, partly mated, independent and shifted walls (23 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/mismatch/mismatch.yaml}" -- mismatch
 
-size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (95 core-minutes)
+size: $(STAMP) ## Study the effects of patch length and grid spacing (95 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/size/size.yaml}" -- size
 
-misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (11 core-minutes)
+misalignment: $(STAMP) ## Simulate walls that are tilted, or rotated about the normal (11 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/misalignment/misalignment.yaml}" -- misalignment
 
-measured-joints: $(STAMP) ## Close joints beside three measured ones, by the model's open choices (25 core-minutes)
+measured-joints: $(STAMP) ## Compare three measured joints with simulated ones, for several choices of the model (25 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/measured_joints/measured_joints.yaml}" -- measured_joints
 
-global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (81 core-minutes)
+global-sensitivity: $(STAMP) ## Study properties and open choices that vary together (81 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/global_sensitivity/global_sensitivity.yaml}" -- global_sensitivity
 
-estimate: $(STAMP) ## Say what the experiments of CONFIG would take, and close a few of their joints only
+estimate: $(STAMP) ## Estimate the time of the experiments of CONFIG, from a few of their joints
 	@$(SNAKEMAKE) $(GIVEN) -- estimate
 
-test: $(STAMP) ## Pass the tests
+test: $(STAMP) ## Run the tests
 	@echo "Compiling the kernels (a minute and a half when they are new), beside tests without kernels ..."
 	@$(BIN)/python -m jointclosure.joint.warmup ship & \
 	$(BIN)/python -m pytest -q -m "not slow" $(WITHOUT_KERNELS); passed=$$?; \
@@ -152,7 +152,7 @@ test: $(STAMP) ## Pass the tests
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "not slow" $(WITHOUT_KERNELS:%=--ignore=%)
 	@echo "A study's own checks are in results/<study>/tables/checks.csv"
 
-test-all: $(STAMP) ## Pass the tests, the slow ones too
+test-all: $(STAMP) ## Run all tests, including the slow ones
 	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
@@ -172,7 +172,7 @@ docs: $(DEVELOPMENT) ## Write the pages made of templates, and build the site, w
 publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results
 	@$(BIN)/python docs/site/publish.py "$$STUDY"
 
-mutants: $(STAMP) ## Ask whether the fast tests notice wrong lines of the library (hours)
+mutants: $(STAMP) ## Test whether the fast tests detect wrong lines of the library (hours)
 	@$(BIN)/python -m jointclosure.joint.warmup ship
 	$(BIN)/python -m tests.mutants
 

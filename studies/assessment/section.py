@@ -15,11 +15,11 @@ class AssessmentSection(StudySection):
     by_default = True
     share: Share = entry(
         "Share of the expected time of the study that the joints of the assessment in its report "
-        "may take; `assessment: null` closes none.",
+        "may take; with `assessment: null` no joint is simulated.",
         0.1,
     )
     joints: int = entry(
-        "Surfaces of each condition, which all variants close; in the report at most so many.",
+        "Pairs of walls of each condition; in the report the largest number of them.",
         8,
         ge=2,
         le=1_000,

@@ -175,7 +175,7 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     decimal_ticks(right.xaxis)  # the spreads of copies span too many decades
     left.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
     left.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
-    left.set(xlabel="spread of net closure over copies that must close alike (%)")
+    left.set(xlabel="scatter of net closure over copies that should be equal (%)")
     left.set(ylabel="force on contacts that cannot break (%)")
     right.set(xlabel="cells in contact", ylabel="largest jump, of the closure (%)")
     handles: list[Artist] = [

@@ -127,7 +127,7 @@ class Accuracy(Section):
     budget_core_minutes: float | None = entry(
         "Processor time that the joints of all cases may take; null: any.", None, gt=0
     )
-    most: int = entry("Surfaces of a case beyond which none are added.", 200, ge=10, le=1_000_000)
+    most: int = entry("Largest number of realisations of a case.", 200, ge=10, le=1_000_000)
 
 
 class Study(Section):
@@ -137,35 +137,35 @@ class Study(Section):
     rocks: Distinct[str] = entry(
         "Rocks of the study, from `rocks`, in the order of the tables.", min_length=1
     )
-    realizations: int = entry("Random surface pairs per case.", ge=2, le=1_000_000)
+    realizations: int = entry("Random pairs of walls per case.", ge=2, le=1_000_000)
     realizations_per_job: int | None = entry(
-        "Realisations of a case that one job closes; null: all. It changes no result.", None, ge=1
+        "Realisations of a case in one job; null: all. It changes no result.", None, ge=1
     )
     cycles: int = entry("Load-unload cycles.", ge=1, le=1000)
     root_seed: int = entry("Seed from which every random number follows.", ge=0)
     draws: Literal["common", "independent"] = entry(
-        "independent: each case has its own surfaces, and Table 3 has the unpaired t test (the "
-        "paper's); common: a realisation has the same noise in all cases of a rock, and the test "
-        "is paired."
+        "independent: each case has different pairs of walls, and Table 3 has the unpaired t test, "
+        "as in the paper; common: a realisation has the same random numbers in all cases of a "
+        "rock, and the test is paired."
     )
     pool: int | None = entry(
-        "Further random surface pairs of every rock, on which all of its cases are closed, for "
-        "what is true of the model and what repetitions of the study would publish (pool.nc); "
-        "null: the study's own.",
+        "Further random pairs of walls of every rock, which are simulated in all of its cases "
+        "(pool.nc). Properties of the model and repetitions of the study follow from them; null: "
+        "from the pairs of walls of the study.",
         ge=2,
         le=1_000_000,
     )
     surfaces_of: Name | None = entry(
-        "Study whose random surfaces are drawn, so that two studies can be compared surface by "
-        "surface; null: its own."
+        "Study whose random pairs of walls are used, so that two studies can be compared joint by "
+        "joint; null: those of this study."
     )
     accuracy: Accuracy | None = entry(
-        "Accuracy that is requested: the results have differences to finer numerics on some of the "
-        "surfaces (docs/accuracy.md); null: none.",
+        "Requested accuracy: results are corrected by differences to finer numerics on some of the "
+        "realisations (docs/accuracy.md); null: none.",
         None,
     )
     unusual_values: Literal["refuse", "allow"] = entry(
-        "Whether numbers that are not usual of rock, often a slip of units, are refused.",
+        "Whether numbers that are unusual for rock, often in a wrong unit, are refused.",
         "refuse",
     )
 
@@ -200,8 +200,8 @@ class SurfaceSynthesis(Section):
     )
     shift_in_cells: int = entry("Shift of the mated part along x, in cells.", ge=0, le=4096)
     mismatch_wavelength: float | None = entry(
-        "Waves longer than this mate, shorter ones are independent [mm]; 0: mates; null: as "
-        "correlation says. Where it is given correlation must be 0.",
+        "Wavelength [mm] above which the walls mate, and below which they are independent; 0: the "
+        "walls mate exactly; null: correlation is used. If it is given, correlation must be 0.",
         alias="mismatch_wavelength_mm",
         ge=0,
     )
@@ -262,15 +262,16 @@ class Statistics(Section):
 
     significance: float = entry("Significance level of the two-sided t test.", gt=0, lt=1)
     bootstrap_resamples: int = entry(
-        "Resamples of the surfaces for each confidence interval.", ge=10, le=100_000
+        "Resamples of the realisations for each confidence interval.", ge=10, le=100_000
     )
     bootstrap_confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
     repetitions: int = entry(
-        "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
+        "Repetitions of the study that are sampled from the pool.", ge=100, le=1_000_000
     )
     control_variates: int | None = entry(
-        "Surfaces that are made and not closed, whose mean depths of the summed heights adjust "
-        "means and intervals (docs/accuracy.md#control-variates); null: nothing is adjusted.",
+        "Pairs of walls that are generated but not simulated; their mean depths of the summed "
+        "heights adjust means and intervals (docs/accuracy.md#control-variates); null: nothing is "
+        "adjusted.",
         None,
         ge=100,
         le=1_000_000,

@@ -287,17 +287,17 @@ def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True
     reached = f"not reached in {missing} of {len(table)}" if missing else "reached"
     sentence = (
         f"accuracy: {accuracy.of} within {100.0 * accuracy.within:g} % {reached}, with "
-        f"{counts.surfaces} surfaces and {counts.differences} differences to the finest numerics "
-        f"({_core_minutes(counts, *_prices(table)):.2g} core-minutes); the worst is "
-        f"{width} ({' '.join(parts)}, cycle {worst.cycle})"
+        f"{counts.surfaces} realisations and {counts.differences} differences to the finest "
+        f"numerics ({_core_minutes(counts, *_prices(table)):.2g} minutes of processor time); the "
+        f"largest half-width is {width} ({' '.join(parts)}, cycle {worst.cycle})"
     )
     if not missing or not ended:
         return sentence
     least = table.least_percent.max()
     if accuracy.budget_core_minutes is not None and counts.differences < accuracy.most:
         return (
-            f"{sentence}; the budget of {accuracy.budget_core_minutes:g} core-minutes does not "
-            "suffice for more"
+            f"{sentence}; the budget of {accuracy.budget_core_minutes:g} minutes of processor time "
+            "does not suffice for more"
         )
     can = f"can give about {least:.2g} %" if math.isfinite(least) else "do not give all of them"
-    return f"{sentence}; {accuracy.most} surfaces, the most, {can}"
+    return f"{sentence}; {accuracy.most} realisations, the largest number, {can}"

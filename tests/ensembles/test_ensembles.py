@@ -109,7 +109,7 @@ def test_a_joint_whose_worker_was_killed_is_closed_again_and_workers_change_no_b
     pairs[1] = tuple(wall - pairs[1][0][0, 0] for wall in pairs[1])
     marker = tmp_path / "killed"
     monkeypatch.setattr(joints, "close_joint", functools.partial(kill_worker_once, marker=marker))
-    with pytest.warns(UserWarning, match=r"closing again: seeds \[1\]") as warned:
+    with pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]") as warned:
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1
     assert marker.exists()

@@ -107,10 +107,10 @@ def test_walls_that_are_turned_as_scanned_are_refused_with_the_angle():
     upper, lower = truth.scans()
     half = truth.middle[1::-1]
     upper = upper._replace(origin=tuple(np.array(upper.origin) - truth.own[1::-1] + half))
-    with pytest.raises(jc.InputError, match=r"turned by 0\.(29|30)\d \+- .* degrees against each"):
+    with pytest.raises(jc.InputError, match=r"rotated by 0\.(29|30)\d \+- .* degrees against each"):
         registered(upper, lower, shift="scanned")
     left = registered(upper, lower, shift="scanned", unusual_values=True)
-    assert any("turned by 0." in line for line in left.warnings)
+    assert any("rotated by 0." in line for line in left.warnings)
     mated = registered(upper, lower)
     assert mated.mated.angle == pytest.approx(0.3, abs=0.02)
     assert mated.aperture.std() < left.aperture.std()
@@ -158,7 +158,7 @@ def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans_or_the
 def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     for seed in range(2):  # of other seeds one in ten fits by chance
         upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
-        with pytest.raises(jc.InputError, match=r"is ambiguous: slopes .* stay as scanned"):
+        with pytest.raises(jc.InputError, match=r"is ambiguous: slopes .* scanned position"):
             registered(scanned(upper, "towards"), grid(lower), spikes="keep")
     stated = {"orientation": "towards", "shift": "scanned"}
     found = registered(scanned(upper, "towards"), grid(lower), **stated)

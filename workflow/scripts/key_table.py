@@ -16,11 +16,17 @@ ROOT = Path(__file__).parents[2]
 
 HEADER = """# Configuration
 
-A study is a small file with what differs from `default.yaml`, the paper's study, which states the source of each number. Lists replace lists; everything else is merged. `make study CONFIG=config/mine.yaml` checks the merged configuration (an error names the key, its value and what is allowed), runs it and writes to `results/<study.name>/`. Editors can check YAML by `schema.json`.
+A study is a small file with the keys that differ from `default.yaml`. That file is the paper's study, and states the source of each number. Lists replace lists, and everything else is merged. `make study CONFIG=config/mine.yaml` checks the merged configuration, runs the study, and writes to `results/<study.name>/`. An error names the key, its value and the allowed values. Editors can check YAML by `schema.json`.
 
-`smoke.yaml` is the paper's study made small, `my_rock.yaml` a worked example ([how to](../docs/first_hour.md)), `measured_wall.yaml` has scanned walls, `many_realizations.yaml` 100,000 small joints; the others change one thing and say what in their first line. Configurations of further studies, and the keys of their sections (see `schema.json`), are in the folders of `studies/`.
+- `smoke.yaml` is a small version of the paper's study.
+- `my_rock.yaml` is a worked example ([how to write a study](../docs/first_hour.md)).
+- `measured_wall.yaml` has scanned walls.
+- `many_realizations.yaml` has 100,000 small joints.
+- The other files change one thing, which their first line states.
 
-`.venv/bin/python workflow/scripts/key_table.py` writes this list of the other keys, each with its default and the values that it may have; `<rock>` stands for any name.
+Configurations of further studies are in the folders of `studies/`. `schema.json` has the keys of their sections.
+
+The following list has all other keys, with the default and the allowed values of each. `<rock>` stands for any name. `.venv/bin/python workflow/scripts/key_table.py` writes this list.
 
 """
 

@@ -225,7 +225,7 @@ class Assessment:
             reason = f"the independent implementation finds {found}"
         elif features["spread"] > NOT_STABLE:
             reason = (
-                f"copies that must close alike scatter by {100 * features['spread']:.2g} % (not "
+                f"copies that should be equal scatter by {100 * features['spread']:.2g} % (not "
                 f"stable: more than {100 * NOT_STABLE:.0f} %)"
             )
         else:
@@ -233,7 +233,7 @@ class Assessment:
             verdict = "easy" if easy else "hard"
             spreads = (f"{100 * x:.2g} % on cycle {n}" for n, x in spread_of(copies).items())
             reason = (
-                f"copies that must close alike scatter by {', '.join(spreads)} (easy: "
+                f"copies that should be equal scatter by {', '.join(spreads)} (easy: "
                 f"{50 * self.within:.2g} %), {100 * share:.2g} % of its force is on contacts that "
                 f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump "
                 f"is {100 * features['largest_jump']:.2g} % of its closure, and the nearest hard "
@@ -293,7 +293,7 @@ class Assessment:
         budget = self.budget
         plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
         if not plans and budget is None:
-            return f"no mean can be planned, as fewer than two joints closed with {finest}"
+            return f"no mean can be planned, as fewer than two joints succeeded with {finest}"
         if not plans:
             least = FEWEST * float(self._seconds[finest])
             return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
@@ -345,7 +345,10 @@ def assess(
     report: Callable[[float, str], None] = lambda share, variant: None,
     **changes: Unpack[Changes],
 ) -> Assessment:
-    """Say what accuracy costs on a scene, how hard it is, and which effects it needs.
+    """Assess a joint: what accuracy costs, how hard the joint is, and which effects it needs.
+
+    The joint is simulated with several numerical settings, without each effect, and as copies that
+    should give equal results (docs/accuracy.md#your-own-joint).
 
     Parameters
     ----------
@@ -356,13 +359,15 @@ def assess(
         Relative error that is requested of mean closures, and up to which an effect can be left
         out, in (0, 1).
     budget : float, optional
-        Processor time [s] whose use is described instead.
+        Processor time [s]. If given, the most accurate setting within this time is named, in place
+        of the cheapest one within the request.
     folder : path, optional
-        Existing folder where closures are kept, so that an interrupted assessment goes on.
+        Existing folder where simulated joints are kept, so that an interrupted assessment can
+        continue.
     workers : int, optional
         Number of processes, by default that of the processors available to this process.
     report : callable
-        Receives the finished share and the variant that was closed.
+        Receives the finished share and the variant that was simulated.
     conditions, **changes
         As for `jointclosure.simulate`; breakage is resolved unless ``numerics`` are given.
 

@@ -276,22 +276,29 @@ def choose_effects(
     report: Callable[[str], None] = lambda line: None,
     **changes: Unpack[Changes],
 ) -> Selection:
-    """Select the effects that matter in a scene.
+    """Select the effects that a joint needs, for a tolerance of its mean closure.
+
+    How effects are selected, and how well, is described in docs/effects.md.
 
     Parameters
     ----------
     walls : (upper, lower), or iterable of such pairs
-        As for `jointclosure.assess`; only as many as necessary are closed.
+        As for `jointclosure.assess`. Only as many pairs as necessary are simulated.
     conditions, **changes
-        As for `jointclosure.simulate`. ``effects`` may act; they are the reference.
+        As for `jointclosure.simulate`. ``effects`` are the effects from which is selected, and
+        with which others are compared.
     tolerance : float
         Relative change of the mean closure of a cycle, gross or net since seating, in (0, 1), below
         which an effect does not matter.
     joints : int
-        Number of joints that will be closed with the selected effects, at least 1. The more they
-        are, the more time the selection may take.
+        Number of joints that will be simulated with the selected effects, at least 1. The
+        selection may take more time for more joints.
     report : callable
         Receives a line for each decision.
+
+    Returns
+    -------
+    Selection
 
     Raises
     ------

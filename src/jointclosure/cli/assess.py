@@ -1,6 +1,7 @@
-"""Say what accuracy costs on the joint of two scanned walls, how hard it is, and which
-effects it needs. It is closed by several settings of the numerics, without each effect, and
-as copies that must close alike. What is closed is kept in the folder: the same command goes on.
+"""Assess the joint of two scanned walls: what accuracy costs, how hard the joint is, and which
+effects it needs. The joint is simulated with several numerical settings, without each effect, and
+as copies that should give equal results. Simulated joints are kept in the folder, so that the same
+command continues after an interruption.
 
 example:
   jointclosure assess top.xyz bottom.xyz --units mm --rock granite --stress 10 --within 0.05

@@ -1,5 +1,5 @@
-"""Register two scanned walls, press them together and release them.
-Prints a description of the scans, the fit of the walls, and their closure.
+"""Register two scanned walls and simulate the joint under load cycles.
+Prints a description of the scans, the registration of the walls, and the results with ranges.
 
 examples:
   jointclosure close top.xyz bottom.xyz --units mm --rock granite
@@ -35,8 +35,8 @@ def declare(command: argparse.ArgumentParser) -> None:
     options.add_conditions(command, RESOLVED)
     known = command.add_argument_group("range of the results")
     what = (
-        "what is known of a property of the rock, of peak_modulus_ratio, base_radius_in_cells or "
-        "spacing_mm, such as: --range compressive_strength_MPa 140 200"
+        "range in which a property of the rock lies, or peak_modulus_ratio, base_radius_in_cells "
+        "or spacing_mm, such as: --range compressive_strength_MPa 140 200"
     )
     known.add_argument("--range", nargs=3, action="append", default=[], help=what,
                        metavar=("KEY", "LOW", "HIGH"))  # fmt: skip

@@ -1,5 +1,5 @@
-"""Close joints from mated to independent walls, and find the mismatch
-wavelength of those whose closure is the measured one, with a 95 % interval.
+"""Estimate the mismatch wavelength of a joint from its measured closure, with a 95 % interval.
+Joints from mated to independent walls are simulated, and compared with the measured curve.
 
 examples:
   jointclosure fit curve.csv --rock granite --jrc 10 --size 25
@@ -9,7 +9,7 @@ examples:
       --size 40 --stress-unit MPa --closure-unit mm --seating 0.25
 
 The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
-(docs/beyond.md).
+(docs/two_scans.md).
 """
 
 import argparse

@@ -92,7 +92,7 @@ def summary(
     head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
     if budget is not None:
         head += (
-            "; in brackets the range of 9 in 10 joints, by what is not known of the scans and by "
+            "; in brackets the range of 9 in 10 joints, due to unknown inputs of the scans and to "
             "stated ranges"
         )
     lines = [head, table.to_string()]

@@ -1,6 +1,7 @@
-"""Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra
-jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean plane; or of a
-profile, heights along a line. Every measure has a 95 % confidence interval.
+"""Compute the roughness of a scanned wall after removing its mean plane, or of a profile.
+A profile has heights along a line. Every measure has a 95 % confidence interval. Files are npy,
+npz, netCDF, csv and xyz, and with the extra jointclosure[walls] also STL, TIFF and files of surface
+scanners.
 """
 
 import argparse
@@ -35,7 +36,7 @@ _MISSING = "cells without a height: an error (refuse), left out (avoid, the defa
 
 def declare(command: argparse.ArgumentParser) -> None:
     command.add_argument("file", type=Path, help="the scanned wall, or the profile")
-    text = "the file is a profile: lines of a place and a height, or columns x and z of a text file"
+    text = "the file is a profile, with a position and a height in each line (columns x and z)"
     command.add_argument("--profile", action="store_true", help=text)
     options.add_keywords(command, read_scan, *options.SCANS)
     grid = {"help": "interpolate to this spacing first"}

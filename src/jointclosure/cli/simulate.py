@@ -1,6 +1,6 @@
-"""Press two random walls together, release them, and print their closure.
-The rock is one of the package, by its name, or given by its properties.
-Walls are flat beyond 3 mm, as in the paper's study; those of natural rock have waves of
+"""Simulate a joint of two random walls under load cycles, and print its results.
+The rock is given by the name of a rock of the package, or by its properties.
+The walls have a roll-off of 3 mm, as in the paper's study. Walls of natural rock have waves of
 all lengths: --roll-off none
 
 examples:

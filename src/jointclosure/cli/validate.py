@@ -1,5 +1,5 @@
-"""Find which mechanisms and constants are compatible with all loadings of a measured curve: joints
-of each strength, shift of walls seated anew, and strength of crushed rock are closed.
+"""Find which mechanisms and constants are compatible with all loadings of a measured curve.
+Joints are simulated for several strengths, shifts of reseated walls, and strengths of crushed rock.
 
 examples:
   jointclosure validate curve.csv --rock granite --scans top.xyz bottom.xyz --units mm
@@ -9,7 +9,7 @@ examples:
 
 The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
 (docs/two_scans.md). With --output, joints are kept in the folder, and a later run with the same
-joints closes only what is missing.
+joints simulates only those that are missing.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from jointclosure.measured.region import NUMERICS, validate
 def declare(command: argparse.ArgumentParser) -> None:
     tried = "strengths", "shifts", "crushed_strength_ratios"
     options.add_measured(command, NUMERICS, "constants that are tried", validate, *tried)
-    options.add_file(command, "--output", "folder of the tables, the figure, and closed joints")
+    options.add_file(command, "--output", "folder of the tables, the figure, and the joints")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -101,7 +101,7 @@ def simulate_ensemble(
     progress: bool = False,
     **changes: Unpack[Changes],
 ) -> xr.Dataset:
-    """Close many joints of the same rock under the same load, as a study does for a case.
+    """Simulate many joints of the same rock under the same load, like a case of a study.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def simulate_ensemble(
     Raises
     ------
     InputError
-        If there is nothing to close, or if no joint could be closed; the message is that of the
+        If there are no walls, or if no joint could be simulated. The message is then that of the
         first joint.
     """
     check_count("stress_points", stress_points, 2, 100_000)
@@ -184,13 +184,13 @@ def _rows(
     with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
         close(valid, workers, show)
         if lost := failed(ProcessLostError):
-            again = f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}"
+            again = f"simulating again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}"
             warnings.warn(again, stacklevel=3)
             # fewer at a time, because the usual reason is lack of memory; never in this process
             close(lost, min(workers, 2), show)
     if 0 < len(without := failed(Exception)) < len(rows):
         warnings.warn(
-            f"{len(without)} of {len(rows)} joints could not be closed and are NaN: seeds "
+            f"{len(without)} of {len(rows)} joints could not be simulated and are NaN: seeds "
             f"{labels[without].tolist()}; `error` states the reasons, the first is "
             f"{rows[without[0]].error}",
             stacklevel=3,

@@ -54,7 +54,10 @@ def simulate(
     pristine: Sequence[ArrayLike] | None = None,
     **changes: Unpack[Changes],
 ) -> xr.Dataset:
-    """Press two walls together to a normal stress and release them, repeatedly.
+    """Simulate a joint of two walls under cycles of normal load.
+
+    The walls are pressed together to a maximum stress and unloaded, once in each cycle. The
+    equations of the model, with their sources, are in docs/model.md.
 
     Parameters
     ----------

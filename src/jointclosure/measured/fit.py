@@ -205,25 +205,30 @@ def fit(
         one largest stress. Closures are those of the joint, without the intact rock's deformation.
     fit_strength : bool
         Whether to fit the compressive strength too, from half to twice that of the rock. Joints are
-        closed at 8 wavelengths from two spacings to the shorter side, and at 4 strengths if these
-        are fitted. Of scanned walls the strength alone is fitted.
+        simulated at 8 wavelengths from two spacings to the shorter side, and at 4 strengths if
+        these are fitted. For scanned walls the strength alone is fitted.
     first_loading : bool
-        Whether to fit the loading of the first cycle alone. Many joints lose more closure than the
-        model lets them, which their unloading and later cycles show.
+        Whether to fit the loading of the first cycle alone. Many joints have larger permanent
+        closures than in the model, which affects their unloading and later cycles.
     numerics
         As for `jointclosure.simulate`; by default breakage is resolved, as by `jointclosure.close`.
     simulated : Simulated, optional
         Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
-        which are then not closed again.
+        which are then not simulated again.
     cache : path, optional
-        Folder where closed joints are kept; a run with the same joints closes only what is missing.
+        Folder where simulated joints are kept. A run with the same joints simulates only those that
+        are missing.
     workers : int, optional
         Number of processes, by default that of the processors available to this process. It does
         not affect the result.
     progress : bool
-        Whether to print what is assumed before joints are closed, and to show the progress.
+        Whether to print the assumptions before joints are simulated, and to show the progress.
     **joint
         Fields of `jointclosure.measured.joints.MeasuredJoint`: rock, roughness or scans, size.
+
+    Returns
+    -------
+    Fit
 
     Raises
     ------

@@ -216,14 +216,14 @@ def validate(
     report: Callable[[str], None] = lambda line: None,
     **joint: Unpack[JointKeywords],
 ) -> Region:
-    """Determine which mechanisms and constants are compatible with all loadings of a joint.
+    """Find the mechanisms and constants that are compatible with all loadings of a measured curve.
 
     Parameters
     ----------
     strengths : (float, float), optional
         Ends of the range of compressive strengths [Pa], by default a third and twice that of the
-        rock. Joints are closed at 4 of them and, for random walls, at 6 mismatch wavelengths from
-        two spacings to the shorter side.
+        rock. Joints are simulated at 4 of them and, for random walls, at 6 mismatch wavelengths
+        from two spacings to the shorter side.
     shifts : sequence of int, optional
         Shifts of the upper wall along x between the first and the later loadings, in cells, besides
         0; none leaves this mechanism out.
@@ -232,11 +232,20 @@ def validate(
         this mechanism out. See `jointclosure.Choices`.
     numerics
         As for `jointclosure.simulate`; by default breakage is resolved to a tolerance of 5 %, which
-        counts as an error of the joints. What it is of the nearest joints is determined besides.
+        counts as an error of the joints. The error of the nearest joints is also measured.
     report : callable, optional
-        Receives lines on what is assumed, on progress and on the remaining time.
+        Receives lines about assumptions, progress and remaining time.
     curve, cache, workers, **joint
-        As for `jointclosure.fit`, which has the errors that are raised and what is assumed.
+        As for `jointclosure.fit`, which also describes the assumptions.
+
+    Returns
+    -------
+    Region
+
+    Raises
+    ------
+    InputError
+        As `jointclosure.fit`, or if a strength, a shift or a ratio is out of its range.
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
     measured = given.measured
@@ -258,7 +267,7 @@ def validate(
         report(line)
     again = f", and again in {len(laters)} ways" if measured.cycles > 1 else ""
     count = given.joint.surfaces * wavelengths.size * tried.size
-    report(f"{count} joints are closed{again}, as far as they are not kept")
+    report(f"{count} joints are simulated{again}, except those that are kept")
     closures = joints.closures()
     numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
     error = math.hypot(given.joint.closure_error, numerical)

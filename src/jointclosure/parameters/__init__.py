@@ -15,6 +15,15 @@ class Rock(NamedTuple):
 
     The annotation of each field states its unit, range, symbol and title. A property with a default
     may be left out of a configuration, and of ``Rock(...)``.
+
+    Attributes
+    ----------
+    youngs_modulus : float
+        Young's modulus E [Pa].
+    poisson_ratio : float
+        Poisson's ratio nu, from 0 to 0.5.
+    compressive_strength : float
+        Uniaxial compressive strength sigma_c [Pa].
     """
 
     youngs_modulus: Annotated[float, Property("Young's modulus", "GPa", "E", usual=(1e8, 3e11))]
@@ -59,7 +68,24 @@ AS_IT_IS = (
 
 
 class Effects(NamedTuple):
-    """Effects that a simulation includes; `check_scene` refuses ill-posed combinations."""
+    """Effects that a simulation includes.
+
+    `check_scene` refuses ill-posed combinations: interaction needs the substrate, and gouge needs
+    breakage.
+
+    Attributes
+    ----------
+    substrate : bool
+        Half-spaces below the asperities deform, Eqs. (6) and (7).
+    interaction : bool
+        Contacts displace each other, Eqs. (17) and (18).
+    breakage : bool
+        Overloaded asperities break, Eqs. (21) to (23).
+    gouge : bool
+        Broken material fills the valleys around.
+    soft_peaks : bool
+        Peaks have a lower modulus than the rock.
+    """
 
     substrate: bool = True
     interaction: bool = True

@@ -297,6 +297,10 @@ def indifference_interval(
     base : float, optional
         The level p_M from which changes are measured, by default the middle one.
 
+    Returns
+    -------
+    IndifferenceInterval
+
     Raises
     ------
     InputError

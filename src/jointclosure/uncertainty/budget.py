@@ -78,7 +78,7 @@ TITLES = {
 MEASURED = (
     "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
     "loading was {:.2g} to {:.2g} times as stiff as the first, and {:.2g} to {:.2g} % of its "
-    "closure stayed, where second cycles of the model leave nothing unless the joint is reseated "
+    "closure remained; in second cycles of the model nothing remains, unless the joint is reseated "
     "or its crushed rock weakens (docs/measured.md)"
 ).format(
     *measured_range("first_closure"),
@@ -178,7 +178,7 @@ class Budget(NamedTuple):
         lines = [self.table().to_string()]
         if self.choices:
             about = ", ".join(self.choices)
-            lines += [f"range with other choices of the model besides ({about})"]
+            lines += [f"range with other choices of the model ({about})"]
             lines += [self.wider_table().to_string()]
         return lines
 
@@ -206,14 +206,14 @@ class Budget(NamedTuple):
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
-            lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
+            lines.append(f"failed, and not in the range: {count} ({rows.value.iloc[0]})")
         if "registration" in self.omitted:
             lines.append("not varied in the range: the position of the walls, as no fit moved them")
         if exact := [name for name in self.omitted if name in OF_ROCK]:
             names = ", ".join(TITLES[name] for name in exact)
             lines.append(
                 f"not varied in the range: {names} (--range {key_of(exact[-1])} LOW HIGH, or "
-                "ranges= in Python, adds what is known of them)"
+                "ranges= in Python, adds their ranges)"
             )
         return [*lines, MEASURED]
 
@@ -247,8 +247,9 @@ class Budget(NamedTuple):
                 f"{100.0 * row.scatter:.2g} % on cycle {row.cycle}" for row in unstable.itertuples()
             )
             lines.append(
-                f"{QUANTITIES[quantity]}: this joint is not stable, as copies that must close "
-                f"alike scatter by {', '.join(scatter)} (stable: up to {100.0 * NOT_STABLE:.0f} %)"
+                f"{QUANTITIES[quantity]}: this joint is not stable, as copies that should give "
+                f"equal results scatter by {', '.join(scatter)} (stable: up to "
+                f"{100.0 * NOT_STABLE:.0f} %)"
             )
         return lines
 

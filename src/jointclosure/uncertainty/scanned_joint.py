@@ -149,7 +149,7 @@ def close(
     progress: bool = False,
     **changes: Unpack[Changes],
 ) -> ClosedJoint:
-    """Register two scanned walls of a joint, press them together and release them.
+    """Register two scanned walls, and simulate the joint under load cycles with a range of results.
 
     Parameters
     ----------
@@ -166,19 +166,19 @@ def close(
     orientation, shift, spikes
         As for `jointclosure.walls.registration.registered`.
     single : bool
-        Whether to close the joint once, without the range of its results.
+        Whether to simulate the joint once, without the range of its results.
     ranges : mapping
-        Lowest and highest value [SI] of what is known to a range only: a property of the rock,
+        Lowest and highest value [SI] of inputs that are known only to a range: a property of rock,
         ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
         (`jointclosure.uncertainty.variants`).
     workers : int, optional
-        Number of joints of the range that are closed at the same time, by default that of the
+        Number of joints of the range that are simulated at the same time, by default that of the
         processors available to this process.
     report, snapshots
         As for `jointclosure.simulate`.
     at : sequence of float
-        Stresses [Pa] at which stiffness kn, closure and aperture of loading are printed, besides
-        the round ones of the curves. They lie above 0 and reach up to the maximum.
+        Stresses [Pa] at which stiffness kn, closure and aperture on loading are printed. They are
+        above 0 and at most the maximum.
     joint_length : float, optional
         Length [m] of the joint in the rock mass to which the JRC and JCS of the law of Barton and
         Bandis are scaled. By default they are not scaled.
@@ -314,13 +314,15 @@ def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
                 "noise of each height, 95 % interval)"
             )
         else:
-            lines.append(f"{side} wall: the noise of the scanner cannot be told from the heights")
+            lines.append(
+                f"{side} wall: the noise of the scanner cannot be distinguished from roughness"
+            )
     if errors and errors.noise[1] > 0.0:
         size = " to ".join(dict.fromkeys(f"{1e6 * noise:.2g}" for noise in errors.noise))
         lines.append(
             f"at the shortest waves of the grid both walls together depart from a smooth spectrum "
             f"or from each other by {size} um rms: noise of the scanner, and roughness too short "
-            "for the grid, which turning a wall interpolates; the range has other draws of both"
+            "for the grid, which turning a wall interpolates; both are varied in the range"
         )
     return lines
 

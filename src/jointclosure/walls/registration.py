@@ -461,7 +461,7 @@ def _coarser_grid_caution(spacing: float, step: int) -> Caution:
     return caution(
         f"heights were taken every {1e3 * step * spacing:.4g} mm, which the scans resolve, and not "
         f"every {1e3 * spacing:.4g} mm. The range has joints of both spacings, with lost "
-        f"waves drawn at random (--spacing {1e3 * spacing:.4g} closes the joint itself there)"
+        f"waves drawn at random (--spacing {1e3 * spacing:.4g} simulates the joint at that spacing)"
     )
 
 
@@ -577,7 +577,7 @@ def _oriented_fit(
             f"the fit of the walls is ambiguous: slopes correlate by {best} and by {second}, "
             f"but the best must be {CLEAR:g} times the second; check that these are the walls of "
             f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
-            "and stay as scanned"
+            "and keep their scanned position"
         )
     used = orientation or best.orientation
     how = "found" if orientation is None else "stated"
@@ -610,7 +610,7 @@ def _check_unturned(
     edge = abs(np.radians(mated.angle)) * float(reach.max())
     if edge > 0.25 * spacing and abs(mated.angle) > 4.0 * error:
         turned = (
-            f"as scanned the walls are turned by {mated.angle:.3f} +- {error:.3f} degrees against "
+            f"the scanned walls are rotated by {mated.angle:.3f} +- {error:.3f} degrees against "
             f"each other: their shift grows from the middle to {1e3 * edge:.3g} mm at the edge, "
             "and they mate only in the middle"
         )
@@ -691,7 +691,7 @@ def _frame_remark(overlap: Overlap) -> str:
     """Describe the mean distance of walls in one frame; warn if the upper one is the lower."""
     gap = float(np.mean(overlap.upper - overlap.lower))
     where = f"{1e3 * abs(gap):.3g} mm {'above' if gap > 0.0 else 'below'} the lower one"
-    lies = f"as scanned the upper wall lies {where} in the mean"
+    lies = f"in the scans the upper wall lies {where} in the mean"
     wrong = (
         "if both scans have one zero of heights, the walls are interchanged or heights count "
         "downwards"

@@ -140,7 +140,9 @@ def wall_pair(
     roll_off: float | None = ROLL_OFF,
     unusual_values: bool = False,
 ) -> Walls:
-    """Generate the upper and lower wall of a joint, heights towards the other wall.
+    """Generate random upper and lower walls of a joint for a JRC.
+
+    The heights of each wall are positive towards the other wall.
 
     Parameters
     ----------
@@ -173,9 +175,9 @@ def wall_pair(
         the nearest heights (`Spectrum`); ``hurst`` then only carries Z2 to the spacing.
     roll_off : float, optional
         Wavelength [m] beyond which the spectrum is flat; None for no limit. The default is for
-        the paper's study, whose Table 3 asks for it (docs/decisions.md#0013-readings), and two
-        spacings where these are more. Natural walls have waves of all lengths: take None for
-        them, as `jointclosure.fit` does.
+        the paper's study (docs/decisions.md#0013-readings): 3 mm, or two spacings if these are
+        longer. Natural walls have waves of all lengths. Use None for them, as `jointclosure.fit`
+        does.
     unusual_values : bool
         Whether wavelengths that are unusual for rock are accepted, see `jointclosure.Conditions`.
 
