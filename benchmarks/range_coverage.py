@@ -35,18 +35,10 @@ from jointclosure.joint.tables import members, stress_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
-from jointclosure.uncertainty.budget import (
-    ALL,
-    CLOSURE_NET,
-    CONTACT,
-    KNI,
-    MULTIPLE,
-    STIFFNESS,
-    VM,
-    WIDER,
-    results_of,
-)
+from jointclosure.uncertainty.ranges import WIDER
+from jointclosure.uncertainty.results import CLOSURE_NET, CONTACT, KNI, STIFFNESS, VM, results_of
 from jointclosure.uncertainty.scanned_joint import ClosedJoint
+from jointclosure.uncertainty.sources import ALL, MULTIPLE
 from jointclosure.uncertainty.variants import Variant, sources_of, variants_of
 from jointclosure.walls.gridding import paper_spacing
 

@@ -17,7 +17,8 @@ from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty import scanned_joint
-from jointclosure.uncertainty.budget import ALL, QUANTITIES
+from jointclosure.uncertainty.results import QUANTITIES
+from jointclosure.uncertainty.sources import ALL
 from jointclosure.walls.registration import registered
 from tests.joints import TWO_WALLS
 

@@ -11,26 +11,20 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table
 from jointclosure.uncertainty import budget as budget_module
-from jointclosure.uncertainty.budget import (
-    ALL,
-    CLOSURE_GROSS,
-    CLOSURE_NET,
+from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
+from jointclosure.uncertainty.ranges import (
     NUMBERS,
-    ORDER,
-    QUANTITIES,
-    SHARED,
-    STIFFNESS,
-    VM,
     WIDENED,
     WIDENED_LATER,
     WIDER,
-    Budget,
-    Source,
     bands_of,
+    numerical_errors_of,
     ranges_of,
     total_indices,
 )
-from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
+from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET, QUANTITIES, STIFFNESS, VM
+from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, Source
 from jointclosure.uncertainty.variants import (
     DRAWS,
     PLAUSIBLE,
@@ -573,14 +567,14 @@ def rows_of_steps(best, others, copies, contact=0.25):
     """Results of a joint, of other steps, and of copies, on one cycle."""
     rows = [("", "", best), ("breakage", "tolerance 0.04", others)]
     rows += [(ORDER, f"copy {n}", value) for n, value in enumerate(copies)]
-    table = pd.DataFrame(rows, columns=["source", "value", budget_module.CLOSURE_NET])
+    table = pd.DataFrame(rows, columns=["source", "value", CLOSURE_NET])
     return table.assign(cycle=1, contact_at_max=contact, stiffness_net_MPa_per_mm=1.0)
 
 
 def test_copies_with_the_changed_steps_are_compared_with_each_other_and_with_the_joint():
     table = rows_of_steps(1.0, 1.1, [1.12, 1.08])
-    found = budget_module.numerical_errors_of(table, shared=True, cells=400)
-    closure = found[found.quantity == budget_module.CLOSURE_NET].iloc[0]
+    found = numerical_errors_of(table, shared=True, cells=400)
+    closure = found[found.quantity == CLOSURE_NET].iloc[0]
     values = [1.1, 1.12, 1.08]
     assert closure.error == numerical_error(1.0, values, [1.0, *values], 100.0, 1)
     assert closure.scatter == scatter_of(values)
@@ -588,8 +582,8 @@ def test_copies_with_the_changed_steps_are_compared_with_each_other_and_with_the
 
 def test_copies_with_the_steps_of_the_joint_show_no_change_with_the_steps():
     table = rows_of_steps(1.0, 1.1, [1.02, 0.98])
-    found = budget_module.numerical_errors_of(table, shared=False, cells=400)
-    closure = found[found.quantity == budget_module.CLOSURE_NET].iloc[0]
+    found = numerical_errors_of(table, shared=False, cells=400)
+    closure = found[found.quantity == CLOSURE_NET].iloc[0]
     assert closure.error == numerical_error(1.0, [1.1], [1.0, 1.02, 0.98], 100.0, 1)
     assert closure.scatter == scatter_of([1.0, 1.02, 0.98])
 
@@ -597,8 +591,8 @@ def test_copies_with_the_steps_of_the_joint_show_no_change_with_the_steps():
 def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
     for spread, unstable in ((0.1, False), (0.3, True)):
         table = rows_of_steps(1.0, 1.0, [1.0 + spread, 1.0 - spread])
-        numerical = budget_module.numerical_errors_of(table, shared=True, cells=400)
+        numerical = numerical_errors_of(table, shared=True, cells=400)
         budget = Budget(table, pd.DataFrame(), (), numerical=numerical)
-        lines = budget._numerical_error(budget_module.CLOSURE_NET)
+        lines = budget._numerical_error(CLOSURE_NET)
         assert "numerical error at most" in lines[0]
         assert any("is not stable" in line for line in lines) == unstable

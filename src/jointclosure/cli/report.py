@@ -23,7 +23,8 @@ from jointclosure.joint.status import LOADING
 from jointclosure.statistics.standard_errors import ABSENT, number_text
 from jointclosure.storage.files import add_file, read_csv, read_text, write_text
 from jointclosure.storage.netcdf import reading_netcdf
-from jointclosure.uncertainty.budget import NOT_MODELLED, QUANTITIES
+from jointclosure.uncertainty.budget import NOT_MODELLED
+from jointclosure.uncertainty.results import QUANTITIES
 
 with needs("report", "a page"):
     import jinja2

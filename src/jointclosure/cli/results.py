@@ -25,16 +25,9 @@ from jointclosure.joint.tables import (
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
-from jointclosure.uncertainty.budget import (
-    NOT_MODELLED,
-    ROUNDING,
-    UNDETERMINED,
-    VM,
-    Budget,
-    results_of,
-    table_of,
-)
-from jointclosure.uncertainty.budget import QUANTITIES as BUDGETED
+from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
+from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
+from jointclosure.uncertainty.results import VM, results_of, table_of
 
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish

@@ -15,15 +15,10 @@ from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
 from jointclosure.joint.status import LOADING
 from jointclosure.joint.tables import WATER, has_bands, members, stress_table
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
-from jointclosure.uncertainty.budget import (
-    ALL,
-    CLOSURE_GROSS,
-    CLOSURE_NET,
-    NUMBERS,
-    TITLES,
-    WIDER,
-    Budget,
-)
+from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.ranges import NUMBERS, WIDER
+from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
+from jointclosure.uncertainty.sources import ALL, TITLES
 
 
 @styled

@@ -35,8 +35,9 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import Numerics
-from jointclosure.uncertainty.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
+from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
+from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.variants import uncertainty_budget
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc

@@ -28,21 +28,15 @@ from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.uncertainty.budget import (
-    ALL,
-    MULTIPLE,
-    ORDER,
-    QUANTITIES,
-    SHARED,
-    TITLES,
-    Budget,
-    Source,
+from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.ranges import (
     bands_of,
     limits_of_error,
     numerical_errors_of,
     ranges_of,
-    results_of,
 )
+from jointclosure.uncertainty.results import QUANTITIES, results_of
+from jointclosure.uncertainty.sources import ALL, MULTIPLE, ORDER, SHARED, TITLES, Source
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 

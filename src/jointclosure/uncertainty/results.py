@@ -1,0 +1,51 @@
+"""Results of a joint that have a range, as `close` prints them: names, headings, values."""
+
+from collections.abc import Callable, Iterable
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.ensembles.quantities import HEADINGS
+from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.laws import fitted_laws, parameter
+from jointclosure.joint.status import LOADING
+from jointclosure.joint.tables import cycle_table
+
+RESIDUAL_NET = "residual_closure_seated_net_mm"
+CLOSURE_NET = "max_closure_seated_net_mm"
+CLOSURE_GROSS = "max_closure_seated_mm"
+CONTACT = "contact_at_max"
+STIFFNESS = "stiffness_net_MPa_per_mm"
+KNI = "kni_net_MPa_per_mm"
+VM = "vm_net_mm"
+QUANTITIES = {
+    column: HEADINGS[column]
+    for column in (
+        CLOSURE_NET,
+        RESIDUAL_NET,
+        CLOSURE_GROSS,
+        STIFFNESS,
+        KNI,
+        VM,
+        "mean_aperture_at_max_mm",
+        CONTACT,
+    )
+}
+"""Headings of results with a range, by column of `results_of`."""
+
+
+def results_of(history: xr.Dataset) -> pd.DataFrame:
+    """Return cycles and `QUANTITIES` of a joint that did not fail."""
+    table = cycle_table(history)
+    laws = fitted_laws(history, ["hyperbolic"], [LOADING])
+    stiffness = net_responses(history)["stiffness_net"]
+    table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
+    for column, name in ((KNI, "kni_MPa_per_mm"), (VM, "vm_mm")):
+        table[column] = [parameter(laws, cycle, LOADING, name) for cycle in table.cycle]
+    return table[["cycle", *QUANTITIES]]
+
+
+def table_of(cycles: Iterable[int], text: Callable[[int, str], str]) -> pd.DataFrame:
+    """Arrange texts of results, quantities over cycles."""
+    columns = {f"cycle {cycle}": [text(cycle, name) for name in QUANTITIES] for cycle in cycles}
+    return pd.DataFrame(columns, index=list(QUANTITIES.values()))
