@@ -4,12 +4,12 @@
 is made, which notebooks show. Lengths are drawn in mm and stresses in MPa.
 """
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
 from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.joint.history import GROSS, NET
@@ -20,6 +20,8 @@ from jointclosure.plotting.style import BRANCH_LINES, styled
 from jointclosure.plotting.walls import draw_heights, draw_section
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from jointclosure.uncertainty.scanned_joint import ClosedJoint
 
 Joint: TypeAlias = "xr.Dataset | ClosedJoint"
@@ -169,4 +171,6 @@ def _history(joint: Joint) -> xr.Dataset:
 
 def _axes(axes: Axes | None) -> Axes:
     """Return axes, those of a new figure if none are given."""
+    import matplotlib.pyplot as plt  # the figures above say which extra is missing
+
     return plt.subplots(layout="constrained")[1] if axes is None else axes

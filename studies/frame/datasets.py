@@ -1,7 +1,5 @@
 """Datasets of a study: all cases of an ensemble joined, and checks of what is read of them."""
 
-import contextlib
-import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -10,21 +8,23 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.ensembles.quantities import QUANTITIES
-from jointclosure.inputs import InputError
 from jointclosure.joint.status import FAILURE
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
-from studies.frame.settings import Case, Point
+from studies.frame.settings import (
+    Case,
+    ForeignFileError,
+    Point,
+    digest,
+    foreign,
+    read_checked,
+    reading_checked,
+)
 from studies.frame.tables import join_cases
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""
 CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
 """Curves over stress: nine tenths of the numbers of a study."""
-_AGAIN = "delete it and start again; missing files are made again"
-
-
-class ForeignFileError(InputError):
-    """Error for a file that is whole, but not of this study."""
 
 
 def joints_key(point: Point, code: str) -> str:
@@ -34,40 +34,6 @@ def joints_key(point: Point, code: str) -> str:
     """
     settings = point.settings._replace(first_realization=0, realizations=0)
     return digest(point._replace(settings=settings), code)
-
-
-def digest(*parts: object) -> str:
-    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-@contextlib.contextmanager
-def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
-    """Open a file of this study, whose values are read when they are used.
-
-    Raises
-    ------
-    DamagedFileError
-        If the file is not as it was written.
-    ForeignFileError
-        If it was made with other settings or by other code; ``key`` is that of its attributes.
-    """
-    with reading_netcdf(path) as stored:
-        if stored.attrs.get("key") != key:
-            raise _foreign(path)
-        yield stored
-
-
-def _foreign(path: str | Path) -> ForeignFileError:
-    return ForeignFileError(
-        f"{path}: is not of this study (other settings, surfaces or code): {_AGAIN}"
-    )
-
-
-def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a file of this study without some variables; errors as for `reading_checked`."""
-    with reading_checked(path, key) as stored:
-        return stored.drop_vars(without, errors="ignore").load()
 
 
 def case_in(path: str | Path, joints: xr.Dataset, keys: Mapping[str, str]) -> str:
@@ -81,7 +47,7 @@ def case_in(path: str | Path, joints: xr.Dataset, keys: Mapping[str, str]) -> st
     for label, key in keys.items():
         if joints.attrs.get("key") == key:
             return label
-    raise _foreign(path)
+    raise foreign(path)
 
 
 def check_complete(files: Mapping[str, str], realizations: Mapping[str, Sequence[int]]) -> int:
@@ -188,12 +154,15 @@ def write_ensemble(
     write_netcdf(frame, output, regions(), "realization", chunks)
 
 
-def chosen_effects(files: Iterable[str]) -> str:
-    """Return JSON of the effects that were chosen, by rock, of files of `choose_effects`."""
+def chosen_effects(files: Iterable[str], keys: Mapping[str, str]) -> str:
+    """Return JSON of the effects that were chosen, by rock, of files of `choose_effects`.
+
+    The name of a file is that of its rock; errors are as for `read_checked` with the key of it.
+    """
     chosen = {}
     for file in files:
-        pilot = read_netcdf(file)
-        chosen[str(pilot.rock.values[0])] = json.loads(pilot.attrs["chosen"])
+        rock = Path(file).stem
+        chosen[rock] = json.loads(read_checked(file, keys[rock]).attrs["chosen"])
     return json.dumps(chosen)
 
 

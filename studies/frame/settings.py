@@ -4,9 +4,12 @@ Every job that closes joints reads this module: it imports nothing that is slow 
 models of the configuration.
 """
 
+import contextlib
+import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,12 +18,55 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.walls import CrushedWalls, Walls
 
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""
+
+
+AGAIN = "delete it and start again; missing files are made again"
+"""Advice on a file that is damaged, or of another study."""
+
+
+class ForeignFileError(InputError):
+    """Error for a file that is whole, but not of this study."""
+
+
+def foreign(path: str | Path) -> ForeignFileError:
+    """Return the error for a file of other settings, surfaces or code."""
+    return ForeignFileError(
+        f"{path}: is not of this study (other settings, surfaces or code): {AGAIN}"
+    )
+
+
+def digest(*parts: object) -> str:
+    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+@contextlib.contextmanager
+def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
+    """Open a file of this study, whose values are read when they are used.
+
+    Raises
+    ------
+    DamagedFileError
+        If the file is not as it was written.
+    ForeignFileError
+        If it was made with other settings or by other code; ``key`` is that of its attributes.
+    """
+    with reading_netcdf(path) as stored:
+        if stored.attrs.get("key") != key:
+            raise foreign(path)
+        yield stored
+
+
+def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
+    """Read a file of this study without some variables; errors as for `reading_checked`."""
+    with reading_checked(path, key) as stored:
+        return stored.drop_vars(without, errors="ignore").load()
 
 
 class JointGrid(NamedTuple):
@@ -131,7 +177,7 @@ class SurfaceSettings(NamedTuple):
     surface: Synthesis
 
 
-def surface_settings(settings: ClosureSettings) -> SurfaceSettings:
+def surface_settings(settings: ClosureSettings | SurfaceSettings) -> SurfaceSettings:
     """Return the part of the settings of joints that their surfaces depend on."""
     return SurfaceSettings(*(getattr(settings, name) for name in SurfaceSettings._fields))
 
@@ -171,14 +217,36 @@ def surfaces_dataset(pairs: Iterable[Walls], settings: SurfaceSettings) -> xr.Da
             "realization": first + np.arange(settings.realizations),
             "seed": ("realization", seeds, {"long_name": "seed of the walls"}),
         },
-        attrs={"spacing_m": settings.grid.spacing},
+        attrs={"spacing_m": settings.grid.spacing, "key": surfaces_key(settings)},
     )
 
 
-def walls_in(files: Iterable[str]) -> Iterator[Walls]:
-    """Generate the walls (y, x) [m] in files of `surfaces_dataset`, one file at a time."""
+def surfaces_key(settings: ClosureSettings | SurfaceSettings) -> str:
+    """Return the digest of all that surfaces depend on, whatever the block of realisations is."""
+    return digest(surface_settings(settings)._replace(first_realization=0, realizations=0))
+
+
+def walls_in(files: Iterable[str], settings: ClosureSettings | SurfaceSettings) -> Iterator[Walls]:
+    """Generate the walls (y, x) [m] in files of `surfaces_dataset`, one file at a time.
+
+    Raises
+    ------
+    DamagedFileError
+        If a file is not as it was written.
+    ForeignFileError
+        If a file has the surfaces of other settings, or not the realisations that come next.
+    """
+    following = settings.first_realization
     for file in files:
         surfaces = read_netcdf(file)
+        if surfaces.attrs.get("key") != surfaces_key(settings):
+            raise foreign(file)
+        if int(surfaces.realization[0]) != following:
+            raise ForeignFileError(
+                f"{file}: begins with realisation {int(surfaces.realization[0])}, must begin "
+                f"with {following}: {AGAIN}"
+            )
+        following += surfaces.sizes["realization"]
         yield from zip(*(surfaces[side].values for side in SIDES), strict=True)
 
 

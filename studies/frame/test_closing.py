@@ -112,11 +112,23 @@ def test_walls_come_bit_by_bit_out_of_the_files_of_their_blocks(tmp_path):
         pairs += walls_of(settings)
         files.append(str(tmp_path / f"{block.start}.nc"))
         write_netcdf(surfaces_dataset(walls_of(settings), settings), files[-1])
-    for pair, stored in zip(pairs, walls_in(files), strict=True):
-        np.testing.assert_array_equal(pair, stored)
     whole = surface_settings(point_of("slate-jrc-low", range(5)).settings)
+    for pair, stored in zip(pairs, walls_in(files, whole), strict=True):
+        np.testing.assert_array_equal(pair, stored)
     np.testing.assert_array_equal(list(walls_of(whole)), pairs)
     assert read_netcdf(files[1]).realization.values.tolist() == [3, 4]
+
+
+def test_surfaces_of_another_case_or_of_other_realisations_are_refused(tmp_path):
+    file = tmp_path / "surfaces.nc"
+    made = surface_settings(point_of("slate-jrc-low", range(3)).settings)
+    write_netcdf(surfaces_dataset(walls_of(made), made), file)
+    base = point_of("slate-base", range(3)).settings
+    with pytest.raises(ForeignFileError, match=f"{file}: is not of this study .*: delete it"):
+        next(walls_in([file], base))
+    later = point_of("slate-jrc-low", range(3, 6)).settings
+    with pytest.raises(ForeignFileError, match="begins with realisation 0, must begin with 3"):
+        next(walls_in([file], later))
 
 
 # What a result depends on

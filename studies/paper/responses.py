@@ -21,8 +21,8 @@ from jointclosure.statistics.indifference import (
 )
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
-from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.roughness import bearing_depths, z2_of_jrc
+from studies.frame.datasets import read_checked
 from studies.frame.settings import BASE, JointGrid, Synthesis, walls_of_seed
 from studies.frame.tables import succeeded
 
@@ -103,7 +103,11 @@ def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
             "realization": study.realization.values,
             "covariate": np.array(COVARIATES, dtype=object),
         },
-        attrs={"title": "covariates of simulated surfaces", "surfaces": known.surfaces},
+        attrs={
+            "title": "covariates of simulated surfaces",
+            "surfaces": known.surfaces,
+            "key": study.attrs["key"],
+        },
     )
 
 
@@ -115,9 +119,12 @@ def from_dataset(dataset: xr.Dataset) -> Covariates:
     return Covariates(dataset.covariate_value.values, known)
 
 
-def read_covariates(file: str) -> Covariates | None:
-    """Read the covariates of a file of `as_dataset`; None if there is no file."""
-    return from_dataset(read_netcdf(file)) if file else None
+def read_covariates(file: str, study: xr.Dataset) -> Covariates | None:
+    """Read the covariates of a study's surfaces in a file of `as_dataset`; None without a file.
+
+    Errors are as for `studies.frame.datasets.read_checked`.
+    """
+    return from_dataset(read_checked(file, study.attrs["key"])) if file else None
 
 
 class Response(NamedTuple):

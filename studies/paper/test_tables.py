@@ -10,12 +10,13 @@ import pytest
 from matplotlib.cbook import is_math_text
 from matplotlib.text import Text
 
+from jointclosure.inputs import InputError
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import subplots
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
 from studies.frame.cases import block_settings, cases_of, joint_grid, pool_of, synthesis
 from studies.frame.configuration import merged, model, resolved
@@ -205,8 +206,12 @@ def test_covariates_come_back_from_their_file(tmp_path):
     study = world(configuration)
     known = known_covariates(20, 1, *made_by(configuration))
     values = measure_covariates(study, *made_by(configuration))
-    write_netcdf(measured.as_dataset(Covariates(values, known), study), tmp_path / "covariates.nc")
-    again = measured.from_dataset(read_netcdf(tmp_path / "covariates.nc"))
+    study.attrs["key"] = "of this study"
+    file = tmp_path / "covariates.nc"
+    write_netcdf(measured.as_dataset(Covariates(values, known), study), file)
+    with pytest.raises(InputError, match=f"{file}: is not of this study"):
+        measured.read_covariates(file, study.assign_attrs(key="of another one"))
+    again = measured.read_covariates(file, study)
     np.testing.assert_array_equal(again.values, values)
     for one, other in zip(again.known, known, strict=True):
         np.testing.assert_array_equal(one, other)

@@ -34,6 +34,7 @@ rule choose_effects:
         ENVIRONMENT
     params:
         choice=lambda w: choice_of(w.rock),
+        key=lambda w: effects_key(w.rock),
         flow=STUDY.flow,
         code=code("choose_effects.py", titles=False),
     message:
@@ -68,6 +69,7 @@ rule close_joints:
         point=point_of,
         flow=lambda w: ENSEMBLES[w.ensemble].flow,
         key=lambda w: keys_of(w.ensemble)[case_of(w).label],
+        effects_key=lambda w: effects_key(w.rock) if CHOSEN else None,
         code=code("close_joints.py", titles=False),
     message:
         "Close the joints of {wildcards.rock}, {wildcards.change} ({wildcards.ensemble})"
@@ -97,6 +99,8 @@ rule aggregate:
         cases=list(CASES["cases"].values()),
         key_of=keys_of("cases"),
         key=KEYS["study"],
+        effects_keys={rock: effects_key(rock) for rock in STUDY.rocks} if CHOSEN else {},
+        walls_keys={rock: walls_key(rock) for rock in SCANNED},
         stated=configuration_text(closed_keys(STUDY.stated)),
         code=code("aggregate.py", titles=False),
     message:
@@ -126,6 +130,10 @@ if POOL == "pool":
             cases=list(CASES["pool"].values()),
             key_of=keys_of("pool"),
             key=KEYS["pool"],
+            effects_keys=(
+                {rock: effects_key(rock) for rock in STUDY.rocks} if CHOSEN else {}
+            ),
+            walls_keys={rock: walls_key(rock) for rock in SCANNED},
             stated=configuration_text(closed_keys(STUDY.stated)),
             code=code("aggregate.py", titles=False),
         message:

@@ -28,11 +28,11 @@ from studies.frame.cases import (
     wall_digests,
 )
 from studies.frame.configuration import configured
-from studies.frame.datasets import digest, joints_key
+from studies.frame.datasets import joints_key
 from studies.frame.pilots import examined, tried
 from studies.frame.points import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
-from studies.frame.settings import BASE, joints_of, surface_settings
+from studies.frame.settings import BASE, digest, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain
 from studies.paper.measured import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
@@ -214,6 +214,12 @@ def scan_files(rock):
     ]
 
 
+@cache
+def walls_key(rock):
+    """Digest of all that the prepared walls of a rock depend on."""
+    return digest(scan_settings(rock), code("prepare_walls.py", titles=False))
+
+
 def scan_settings(rock):
     """How the scanned walls of a rock are read, by the arguments of `prepare_walls`."""
     walls = STUDY.rocks[rock].walls
@@ -254,6 +260,12 @@ def choice_of(rock):
         if case.rock == rock
     }
     return examined(of_rock)
+
+
+@cache
+def effects_key(rock):
+    """Digest of all that the choice of a rock's effects depends on."""
+    return digest(choice_of(rock), code("choose_effects.py", titles=False))
 
 
 def surfaces_of_choice(rock):

@@ -40,6 +40,7 @@ if ADJUSTED and POOL == "pool":
             ENVIRONMENT
         params:
             key=KEYS["pool"],
+            means_key=KEYS["study"],
             grid=joint_grid(STUDY),
             surface=synthesis(STUDY),
             code=code("measure_pool_covariates.py"),

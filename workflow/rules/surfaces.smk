@@ -35,6 +35,7 @@ rule prepare_walls:
         ENVIRONMENT
     params:
         settings=lambda w: scan_settings(w.rock),
+        key=lambda w: walls_key(w.rock),
         code=code("prepare_walls.py", titles=False),
     message:
         "Read the scanned walls of {wildcards.rock}, register them, put them on the grid"
@@ -58,6 +59,7 @@ rule cut_windows:
         ENVIRONMENT
     params:
         windows=lambda w: surface_settings(point_of(w).settings),
+        walls_key=lambda w: walls_key(w.rock),
         code=code("cut_windows.py", titles=False),
     message:
         "Cut joints out of the scanned walls of {wildcards.rock} ({wildcards.ensemble})"

@@ -4,8 +4,7 @@ import json
 from pathlib import Path
 
 from jointclosure.storage.logs import logging_to
-from jointclosure.storage.netcdf import read_netcdf
-from studies.frame.datasets import chosen_effects, write_ensemble
+from studies.frame.datasets import chosen_effects, read_checked, write_ensemble
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":
@@ -19,11 +18,15 @@ if __name__ == "__main__":
             "key": snakemake.params.key,
         } | provenance(stated)
         if snakemake.input.effects:
-            attributes["effects_chosen"] = chosen_effects(snakemake.input.effects)
+            attributes["effects_chosen"] = chosen_effects(
+                snakemake.input.effects, snakemake.params.effects_keys
+            )
         if snakemake.input.walls:
             from studies.frame.walls import described  # of scans, which few studies have
 
-            walls = {Path(file).stem: read_netcdf(file) for file in snakemake.input.walls}
+            walls_keys = snakemake.params.walls_keys
+            files = {Path(file).stem: file for file in snakemake.input.walls}
+            walls = {rock: read_checked(file, walls_keys[rock]) for rock, file in files.items()}
             attributes["walls"] = described(walls)
         write_ensemble(
             snakemake.input.joints,

@@ -12,8 +12,8 @@ from studies.frame.yaml_files import provenance
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:
         points, quantities = snakemake.params.points, snakemake.params.quantities
-        count = points[0].settings.realizations
-        walls = list(islice(walls_in(snakemake.input.surfaces), count))
+        settings = points[0].settings
+        walls = list(islice(walls_in(snakemake.input.surfaces, settings), settings.realizations))
         for kernel in kernels_of(point.settings.conditions.model for point in points):
             compile_kernels(*kernel)  # loads them, which is no part of the time of a joint
         joints = close_points(points, quantities, log, walls)

@@ -8,7 +8,8 @@ from studies.frame.settings import walls_in
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:
-        walls = walls_in(snakemake.input.surfaces)
+        choice = snakemake.params.choice
+        walls = walls_in(snakemake.input.surfaces, choice.point.settings)
         names = names_of_case(snakemake.params.flow)
-        chosen = choose_effects(snakemake.params.choice, walls, names, log)
-        write_netcdf(chosen, snakemake.output[0])
+        chosen = choose_effects(choice, walls, names, log)
+        write_netcdf(chosen.assign_attrs(key=snakemake.params.key), snakemake.output[0])

@@ -2,8 +2,9 @@
 
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.closing import close_joints, under_chosen
+from studies.frame.datasets import read_checked
 from studies.frame.settings import walls_in
 
 if __name__ == "__main__":
@@ -13,10 +14,11 @@ if __name__ == "__main__":
         other = "" if ensemble == "cases" else f"--{ensemble} "
         label = point.settings.case.label
         if snakemake.input.effects:
-            point, closed = under_chosen(point, read_netcdf(snakemake.input.effects))
+            pilot = read_checked(snakemake.input.effects, snakemake.params.effects_key)
+            point, closed = under_chosen(point, pilot)
         joints = close_joints(
             point,
-            walls_in([snakemake.input.surfaces]),
+            walls_in([snakemake.input.surfaces], point.settings),
             names_of_case(snakemake.params.flow),
             report=log,
             closed=closed,

@@ -1,12 +1,13 @@
 """Cut the joints of a case out of scanned walls."""
 
 from jointclosure.storage.logs import logging_to
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from studies.frame.settings import surfaces_dataset
+from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.settings import read_checked, surfaces_dataset
 from studies.frame.walls import cut_walls
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         settings = snakemake.params.windows
-        pairs = cut_walls(read_netcdf(snakemake.input.walls), settings)
+        walls = read_checked(snakemake.input.walls, snakemake.params.walls_key)
+        pairs = cut_walls(walls, settings)
         write_netcdf(surfaces_dataset(pairs, settings), snakemake.output[0])

@@ -2,8 +2,7 @@
 
 from jointclosure.storage.files import read_csv, write
 from jointclosure.storage.logs import logging_to
-from jointclosure.storage.netcdf import read_netcdf
-from studies.frame.datasets import reading_checked
+from studies.frame.datasets import read_checked, reading_checked
 from studies.paper.figures import predictive_figure
 
 if __name__ == "__main__":
@@ -11,7 +10,7 @@ if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         with reading_checked(read.study, params.key) as study:
             realizations = study.sizes["realization"]
-        lengths, paper = read_netcdf(read.lengths), read_csv(read.paper)
+        lengths, paper = read_checked(read.lengths, params.key), read_csv(read.paper)
         figure = predictive_figure(lengths, paper, params.rocks, realizations)
         for path in snakemake.output:
             write(figure, path)

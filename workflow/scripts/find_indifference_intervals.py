@@ -11,6 +11,6 @@ if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         (statistics,), root_seed = snakemake.params.statistics, snakemake.params.root_seed
         study = read_checked(snakemake.input.study, snakemake.params.key, without=CURVES)
-        covariates = read_covariates(snakemake.input.covariates)
+        covariates = read_covariates(snakemake.input.covariates, study)
         intervals = indifference_table(study, statistics, root_seed, covariates)
         write_csv(with_paper(intervals, read_csv(snakemake.input.paper)), snakemake.output[0])

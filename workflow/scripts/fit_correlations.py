@@ -9,6 +9,6 @@ from studies.paper.responses import read_covariates
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         study = read_checked(snakemake.input.study, snakemake.params.key, without=CURVES)
-        covariates = read_covariates(snakemake.input.covariates)
+        covariates = read_covariates(snakemake.input.covariates, study)
         write_csv(correlation_table(study), snakemake.output.correlations)
         write_csv(max_closure_table(study, covariates), snakemake.output.closures)

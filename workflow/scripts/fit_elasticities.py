@@ -9,5 +9,5 @@ from studies.paper.responses import read_covariates
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         pool = read_checked(snakemake.input.pool, snakemake.params.key, without=CURVES)
-        covariates = read_covariates(snakemake.input.covariates)
+        covariates = read_covariates(snakemake.input.covariates, pool)
         write_csv(elasticity_table(pool, covariates), snakemake.output[0])

@@ -1,7 +1,7 @@
 """Measure the covariates of the joints of the pool; their means are those of the study."""
 
 from jointclosure.storage.logs import logging_to
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.datasets import CURVES, read_checked
 from studies.paper.responses import Covariates, as_dataset, from_dataset, measure_covariates
 
@@ -9,6 +9,6 @@ if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         grid, surface = snakemake.params.grid, snakemake.params.surface
         pool = read_checked(snakemake.input.study, snakemake.params.key, without=CURVES)
-        means = from_dataset(read_netcdf(snakemake.input.means)).known
+        means = from_dataset(read_checked(snakemake.input.means, snakemake.params.means_key)).known
         measured = Covariates(measure_covariates(pool, grid, surface), means)
         write_netcdf(as_dataset(measured, pool), snakemake.output[0])

@@ -16,4 +16,6 @@ if __name__ == "__main__":
         lengths = predictive(pool, design, params.repetitions, params.root_seed)
         write_csv(predictive_table(lengths, paper), output.predictive)
         write_csv(joint_table(lengths, paper), output.tests)
-        write_netcdf(lengths_dataset(lengths), output.lengths)
+        write_netcdf(
+            lengths_dataset(lengths).assign_attrs(key=params.key_of["study"]), output.lengths
+        )

@@ -7,4 +7,4 @@ from studies.frame.walls import prepare_walls
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:
         walls = prepare_walls(**snakemake.params.settings, log=log, show=log.show)
-        write_netcdf(walls, snakemake.output[0])
+        write_netcdf(walls.assign_attrs(key=snakemake.params.key), snakemake.output[0])

@@ -12,7 +12,8 @@ if __name__ == "__main__":
         rows = []
         for ensemble, points in snakemake.params.points.items():
             for point, file in zip(points, snakemake.input.surfaces, strict=True):
-                rock, walls = point.settings.case.rock, list(walls_in([file]))
+                rock = point.settings.case.rock
+                walls = list(walls_in([file], point.settings))
                 close_joints(point, walls, ())  # loads the kernels, whose time is no joint's
                 closed = close_joints(point, walls, (), report=log)
                 seconds = float(closed.timing_simulation.mean())

@@ -516,99 +516,6 @@ def neighbour_offsets(stride):
     return beside, around, ring
 
 
-@kernel
-def find_overstressed(space, looked_at, walk, law, rules, allowed, current_peaks, resolved):
-    """Examine waiting pairs (n,), of which most still hold; list those that break in `some`.
-
-    The pairs that break are in the batch of the work space with their corners. Their number is
-    returned.
-    """
-    batch = space.batch[0]
-    cells = space.cells
-    kind = cells.kind
-    some = space.some
-    n = looked_at.size
-    gather(
-        batch, n, looked_at, cells.upper, cells.lower, cells.approach,
-        walk.growth, walk.left, cells.stride, current_peaks,
-    )  # fmt: skip
-    if current_peaks:
-        find_peaks(batch, n, looked_at, kind)
-    set_laws(batch, n, looked_at, kind, law)
-    assess(batch, n, allowed, rules)
-    if walk.due.first.size > 1:
-        foresee(batch, n, looked_at, walk.growth, walk.due, walk.moment, allowed)
-    if not resolved:
-        note_holding(batch, n, looked_at, cells, space.holds_to)
-    n = pick_overstressed(batch, n, looked_at, cells, space.turns, some)
-    if n > 0:
-        gather(
-            batch, n, some, cells.upper, cells.lower, cells.approach,
-            walk.growth, walk.left, cells.stride, True,
-        )  # fmt: skip
-        set_laws(batch, n, some, kind, law)
-        batch.steps[:n] = 0.0
-    return n
-
-
-@kernel
-def break_batch(
-    space,
-    n,
-    law,
-    rules,
-    breakage_step,
-    band,
-    allowed,
-    broken,
-    beside,
-    gouge,
-    current_peaks,
-    resolved,
-):
-    """Break the n pairs of the batch up to `_MOST_PASSES` steps in a row, and write them back.
-
-    Resolved breakage adds their changes to the following walls and lists their cells in ``taken``,
-    of which ``broken`` are listed before. Returned are the number of steps of all pairs, and of the
-    cells in that list.
-    """
-    batch = space.batch[0]
-    cells = space.cells
-    some = space.some
-    following = space.following
-    taken = space.taken
-    steps = 0
-    for turn in range(_MOST_PASSES):
-        if current_peaks and turn > 0:
-            find_peaks(batch, n, some, cells.kind)
-            set_laws(batch, n, some, cells.kind, law)
-        assess(batch, n, allowed, rules)
-        if gouge:
-            measure_drops(batch, n, UPPER, rules.tie_tolerance)
-            measure_drops(batch, n, LOWER, rules.tie_tolerance)
-        share_losses(batch, n, gouge)
-        for i in range(n if gouge else 0):
-            cells.locked[some[i]] |= batch.locked[i] > 0.0
-        breaking = int(batch.breaks[:n].sum())
-        if resolved:
-            n, broken = take_out_resting(batch, n, some, cells, following, taken, broken)
-        if breaking == 0:
-            break
-        steps += breaking
-        if resolved:
-            returning_losses(batch, n, band, rules)
-        else:
-            fixed_losses(batch, n, breakage_step)
-        shed_losses(batch, n, UPPER, rules.tie_tolerance, gouge)
-        shed_losses(batch, n, LOWER, rules.tie_tolerance, gouge)
-    if resolved:
-        for i in range(n):
-            broken = add_changes(batch, i, some[i], cells, following, taken, broken)
-    else:
-        write_back(batch, n, some, breaking > 0, cells, space.turns, space.holds_to, beside)
-    return steps, broken
-
-
 @lru_cache(maxsize=None)
 def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: bool):
     """Return the kernel that breaks all pairs until rest at a fixed interaction.
@@ -645,7 +552,10 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         approach grows by ``growth`` (y, x) [m]. Breakage ends unfinished after ``most_steps``.
         """
         ny, nx = upper.shape
+        # not in functions of their own, as these would have the code of effects that are off
         take_over(space, upper, lower, offset, interaction, peaks)
+        batch = space.batch[0]
+        some = space.some
         cells = space.cells
         turns = space.turns
         following = space.following
@@ -688,15 +598,60 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
             assign(taken, turns.lists[colour, :number])
             for first in range(0, number, BATCH):
                 looked_at = taken[first : min(first + BATCH, number)]
-                n = find_overstressed(
-                    space, looked_at, walk, law, rules, allowed, current_peaks, resolved
-                )
-                if n > 0:
-                    more, broken = break_batch(
-                        space, n, law, rules, breakage_step, band, allowed, broken, beside,
-                        gouge, current_peaks, resolved,
-                    )  # fmt: skip
-                    steps += more
+                n = looked_at.size
+                # most of the cells that wait still hold: only these are looked at without corners
+                gather(
+                    batch, n, looked_at, cells.upper, cells.lower, cells.approach,
+                    walk.growth, walk.left, cells.stride, current_peaks,
+                )  # fmt: skip
+                if current_peaks:
+                    find_peaks(batch, n, looked_at, cells.kind)
+                set_laws(batch, n, looked_at, cells.kind, law)
+                assess(batch, n, allowed, rules)
+                if walks:
+                    foresee(batch, n, looked_at, walk.growth, due, walk.moment, allowed)
+                if not resolved:
+                    note_holding(batch, n, looked_at, cells, space.holds_to)
+                n = pick_overstressed(batch, n, looked_at, cells, turns, some)
+                if n == 0:
+                    continue
+                gather(
+                    batch, n, some, cells.upper, cells.lower, cells.approach,
+                    walk.growth, walk.left, cells.stride, True,
+                )  # fmt: skip
+                set_laws(batch, n, some, cells.kind, law)
+                batch.steps[:n] = 0.0
+                # up to so many breakage steps in a row, before their neighbours are looked at
+                for turn in range(_MOST_PASSES):
+                    if current_peaks and turn > 0:
+                        find_peaks(batch, n, some, cells.kind)
+                        set_laws(batch, n, some, cells.kind, law)
+                    assess(batch, n, allowed, rules)
+                    if gouge:
+                        measure_drops(batch, n, UPPER, tie_tolerance)
+                        measure_drops(batch, n, LOWER, tie_tolerance)
+                    share_losses(batch, n, gouge)
+                    for i in range(n if gouge else 0):
+                        cells.locked[some[i]] |= batch.locked[i] > 0.0
+                    breaking = int(batch.breaks[:n].sum())
+                    if resolved:
+                        n, broken = take_out_resting(
+                            batch, n, some, cells, following, taken, broken
+                        )
+                    if breaking == 0:
+                        break
+                    steps += breaking
+                    if resolved:
+                        returning_losses(batch, n, band, rules)
+                    else:
+                        fixed_losses(batch, n, breakage_step)
+                    shed_losses(batch, n, UPPER, tie_tolerance, gouge)
+                    shed_losses(batch, n, LOWER, tie_tolerance, gouge)
+                if resolved:
+                    for i in range(n):
+                        broken = add_changes(batch, i, some[i], cells, following, taken, broken)
+                else:
+                    write_back(batch, n, some, breaking > 0, cells, turns, space.holds_to, beside)
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
                 if walks:
