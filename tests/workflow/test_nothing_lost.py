@@ -228,7 +228,7 @@ def test_an_interrupt_of_a_run_is_stated_in_lines_without_a_traceback(tmp_path):
         time.sleep(0.05)
     strike(run, signal.SIGINT, "group")
     printed = wait_for_the_end(folder, run, SECONDS[signal.SIGINT])
-    assert "What is finished stays; the same command goes on from there." in printed
+    assert "Finished jobs are kept, and the same command continues." in printed
     assert "Traceback" not in printed
 
 

@@ -37,6 +37,11 @@ from studies.frame.yaml_files import configuration_text, read_plain
 from studies.paper.measured import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
 
+if not Path("config/default.yaml").is_file():
+    raise WorkflowError(
+        "config/default.yaml: is not in this folder; start snakemake in the folder of the "
+        "project, or with --directory"
+    )
 try:  # one line for each wrong key or file, before any job
     for file in workflow.configfiles:
         read_plain(file)

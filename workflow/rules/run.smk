@@ -159,6 +159,6 @@ onsuccess:
 
 onerror:
     print(
-        "The run failed or was ended. What is finished stays; the same command goes on from there.",
+        "The run failed or was ended. Finished jobs are kept, and the same command continues.",
         file=sys.stderr,
     )
