@@ -126,7 +126,7 @@ hard-cases: $(STAMP) ## Simulate joints at the limits of the model, and check th
 assess: $(STAMP) ## Assess the paper's rocks or those of CONFIG: cost of accuracy, hardness, effects that are needed
 	@$(SNAKEMAKE) --configfile studies/assessment/usual.yaml $${CONFIG:+"$$CONFIG"} -- assessment
 
-mismatch: $(STAMP) ## Simulate mated, partly mated, independent and shifted walls (23 minutes of processor time)
+mismatch: $(STAMP) ## Simulate mated, partly mated, independent and shifted walls (55 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/mismatch/mismatch.yaml}" -- mismatch
 
 size: $(STAMP) ## Study the effects of patch length and grid spacing (95 minutes of processor time)
