@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.inputs import InputError
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import Configuration, sections
@@ -44,10 +45,23 @@ class Experiment(NamedTuple):
 
 
 def experiment_named(name: str) -> Experiment:
-    """Return the experiment of a folder; `InputError` if there is none of this name."""
+    """Return the experiment of a folder.
+
+    Raises
+    ------
+    InputError
+        If there is none of this name, or it reads a quantity that does not exist.
+    """
     if name not in sections():
         raise InputError(f"{name}: must be an experiment ({', '.join(sections())})")
-    return import_module(f"studies.{name}.study").EXPERIMENT
+    experiment = import_module(f"studies.{name}.study").EXPERIMENT
+    for quantity in experiment.quantities:
+        if quantity not in QUANTITIES:
+            raise InputError(
+                f"studies/{name}/study.py: quantities: {quantity!r}: must be a name of QUANTITIES "
+                "(src/jointclosure/ensembles/quantities.py)"
+            )
+    return experiment
 
 
 def case_point(study: Configuration, case: Case, block: range) -> Point:

@@ -110,3 +110,10 @@ def test_the_time_of_all_joints_is_estimated_from_a_few_of_each_kind(all_points,
 def test_a_folder_that_is_no_experiment_is_named():
     with pytest.raises(InputError, match=r"paper: must be an experiment \(assessment, "):
         experiment_named("paper")
+
+
+def test_a_quantity_that_does_not_exist_is_refused_before_any_joint(monkeypatch):
+    wrong = experiment_named("size")._replace(quantities=("max_closure", "heights_range"))
+    monkeypatch.setattr("studies.size.study.EXPERIMENT", wrong)
+    with pytest.raises(InputError, match=r"studies/size/study.py: quantities: 'heights_range'"):
+        experiment_named("size")
