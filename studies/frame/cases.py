@@ -142,8 +142,9 @@ def closed_keys(keys: dict) -> dict:
     """Return the keys of a configuration that may change closures: no others are in their file."""
     without = {"output": "wall_strength_ratio", "study": "accuracy"}
     parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
-    # the title of a rock changes no closure
-    parts["rocks"] = {name: rock | {"title": name} for name, rock in keys["rocks"].items()}
+    # the title of a rock changes no closure, and rocks that the study has not change nothing
+    studied = keys["study"]["rocks"]
+    parts["rocks"] = {name: keys["rocks"][name] | {"title": name} for name in studied}
     others = ("statistics", "assessment")
     return {key: value for key, value in keys.items() if key not in others} | parts
 

@@ -138,6 +138,11 @@ def test_keys_in_another_order_plan_nothing(planning):
     assert planned(planning, config="reversed.yaml") == {}
 
 
+def test_a_rock_that_the_study_has_not_plans_no_joint_and_no_table(planning):
+    jobs = plan_of(planning, ("rocks.limestone.jrc", 9.0))
+    assert set(jobs) <= {"state_configuration"}
+
+
 def test_a_key_of_the_statistics_plans_what_reads_it_and_no_joint(planning):
     jobs = plan_of(planning, ("statistics.significance", 0.1))
     assert not CLOSING & set(jobs)
