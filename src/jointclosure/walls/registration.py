@@ -676,13 +676,17 @@ def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
     """Describe the aperture (y, x) [m] at first touch, and how far the first contact stands out."""
     early = float(np.quantile(aperture, 1e-3))
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+    exact = (
+        "this and the next length are exact for the walls as registered, and the range of the "
+        "results has other positions of them"
+    )
     spike = (
         "the first contact stands out far and may be a remaining spike; use closures since "
         "seating, not those from first touch"
     )
     return [
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
-        f"{1e3 * aperture.mean():.3g} mm",
+        f"{1e3 * aperture.mean():.3g} mm; {exact}",
         caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
     ]
 
