@@ -2,7 +2,6 @@
 
 import argparse
 import inspect
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -79,7 +78,7 @@ def add_keywords(
     for name in (*names, *changes):
         change = changes.get(name, {})
         parameter = signature[name]
-        text = re.split(r"(?<! al)\.(?: |$)", texts[name])[0]
+        text = texts[name].partition(". ")[0].removesuffix(".")
         text = text.replace("%", "%%").replace("None", "none")
         default = change.get("default", usual.get(name, parameter.default))
         about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS}

@@ -166,10 +166,10 @@ def wall_pair(
     shift_in_cells : int
         Shift of the common part along x, at least 0.
     mismatch_wavelength : float, optional
-        Longer waves [m] are common to both walls, shorter ones independent (Brown 1995; the
-        sharp limit of Glover et al. 1998); 0 for mated walls. Only with a ``correlation`` of 0.
-        Each wall has the spectrum of independent walls; with ``normalise`` "wall" one factor
-        scales both, so that their pooled slopes have the Z2 of the JRC.
+        Wavelength [m] from which waves are common to both walls, while shorter ones are independent
+        (Brown 1995); 0 for mated walls. It is the sharp limit of Glover et al. (1998), and needs a
+        ``correlation`` of 0. Each wall has the spectrum of independent walls; with ``normalise``
+        "wall" one factor scales both, so that their pooled slopes have the Z2 of the JRC.
     rule : {"self_affine", "walk"}
         "self_affine": profiles have the Hurst exponent. "walk": independent slopes, projected on
         the nearest heights (`Spectrum`); ``hurst`` then only carries Z2 to the spacing.
