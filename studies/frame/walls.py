@@ -155,7 +155,7 @@ def _slope(wall: np.ndarray, spacing: float) -> float:
 
 
 def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
-    """Return the ends (2, xy) of the rectangle that both point clouds cover; None for other scans."""
+    """Return the ends (2, xy) of the rectangle common to two point clouds; None for other scans."""
     clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
     if len(clouds) < 2:
         return None
