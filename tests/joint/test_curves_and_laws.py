@@ -114,7 +114,7 @@ def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
     np.testing.assert_allclose(table.normal_stiffness_net_MPa_per_mm, exact, rtol=0.02)
 
 
-def test_stresses_of_a_table_are_round_and_end_at_the_stated_maximum():
+def test_stresses_of_a_table_are_round_up_to_the_stated_maximum():
     """Steps meet the maximum within a tolerance only."""
     history = following("hyperbolic", *TRUE["hyperbolic"])
     for miss in (1.0006, 0.9995):
@@ -123,6 +123,10 @@ def test_stresses_of_a_table_are_round_and_end_at_the_stated_maximum():
         levels = on(table, 1, "loading").normal_stress_MPa
         assert levels.tolist() == [0.5 * number for number in range(1, 21)]
         assert table.closure_net_since_seating_mm.notna().all()
+
+
+def test_stresses_of_the_table_of_a_halted_joint_end_where_it_halted():
+    history = following("hyperbolic", *TRUE["hyperbolic"])
     halted = history.assign(normal_stress=0.5 * history.normal_stress)
     assert 1e-6 * table_levels(halted)[-1] == 0.5 * LARGEST
 
@@ -264,17 +268,20 @@ def test_softer_half_spaces_change_gross_columns_alone(closed):
         assert secant_stiffness(softer, cycle, 2e6, 4e6) == pytest.approx(stiffness)
 
 
-def test_the_law_of_barton_and_bandis_since_seating_is_the_same_curve():
+def test_the_barton_bandis_law_since_seating_is_the_same_curve():
     laws = laws_of_joint(9.0, 150e6, 0.5e6, 5)
     assert set(laws.by_cycle) == set(CYCLES)
     for cycle, since in laws.by_cycle.items():
         law, stress = barton_bandis(9.0, 150e6, 1.0, cycle), np.linspace(0.5e6, 20e6, 9)
         closed = law.closure(stress) - law.closure(0.5e6)
         np.testing.assert_allclose(since.closure(stress - 0.5e6), closed, atol=1e-15)
-    for outside in (float("nan"), 4.0, 19.0):
-        left_out = laws_of_joint(outside, 150e6, 0.5e6, 2)
-        assert not left_out.by_cycle
-        assert "left out" in left_out.sentence()
+
+
+@pytest.mark.parametrize("jrc", [float("nan"), 4.0, 19.0])
+def test_barton_bandis_laws_are_left_out_for_a_jrc_outside_of_their_range(jrc):
+    left_out = laws_of_joint(jrc, 150e6, 0.5e6, 2)
+    assert not left_out.by_cycle
+    assert "left out" in left_out.sentence()
 
 
 @pytest.mark.parametrize("power", [2.0, 1.0, 1.0 - 1e-9, 0.98])
@@ -298,7 +305,7 @@ def test_the_largest_closure_is_determined_up_to_ten_times_the_measured_one(rati
     assert fitted[1] == pytest.approx(vm if determined else np.nan, rel=1e-6, nan_ok=True)
 
 
-def test_the_laws_of_a_straight_loading_have_a_stiffness_and_no_largest_closure():
+def test_the_laws_of_a_straight_loading_have_a_stiffness_alone():
     fits = fitted_laws(following("power", 0.01, 1.0))
     assert np.isnan(parameter(fits, 1, "loading", "vm_mm"))
     assert parameter(fits, 1, "loading", "kni_MPa_per_mm") == pytest.approx(100.0, rel=0.01)
@@ -324,16 +331,21 @@ def test_bulk_indentation_and_laws_end_at_the_same_landing(closed):
     assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])
 
 
-def test_errors_of_a_laws_parameters_are_their_scatter_and_its_range_that_of_small_misses():
+def test_errors_of_a_laws_parameters_are_their_scatter():
     stress, random = np.linspace(SEATING, LARGEST, 60), np.random.default_rng(1)
-    law, true = LAWS["power"], TRUE["power"]
-    exact = law.closure(stress, SEATING, *true)
+    law = LAWS["power"]
+    exact = law.closure(stress, SEATING, *TRUE["power"])
     fits = [
         fit_law(law, stress, exact + 1e-3 * random.standard_normal(60), SEATING)[:2]
         for _ in range(200)
     ]
     values, errors = np.array(fits).swapaxes(0, 1)
     np.testing.assert_allclose(errors.mean(axis=0), values.std(axis=0), rtol=0.2)
+
+
+def test_a_law_holds_in_the_range_of_small_misses():
+    stress, law = np.linspace(SEATING, LARGEST, 60), LAWS["power"]
+    exact = law.closure(stress, SEATING, *TRUE["power"])
     # a jump at two thirds of the stresses that no law follows
     jumped = exact + 0.4 * exact.max() * (stress > 7.0)
     values, _, fit = fit_law(law, stress, jumped, SEATING)
@@ -343,22 +355,29 @@ def test_errors_of_a_laws_parameters_are_their_scatter_and_its_range_that_of_sma
     assert 10 < inside.sum() < 50
 
 
-def test_laws_of_barton_and_bandis_are_left_out_where_a_constant_is_not_above_zero():
+def test_barton_bandis_laws_are_left_out_where_a_constant_is_not_above_zero():
     for strength, cycles in ((100e6, [1, 2, 3]), (3e9, [])):
         laws = laws_of_joint(5.0, strength, 0.5e6, 5).by_cycle
         assert list(laws) == cycles
         assert all(min(law) > 0.0 for law in laws.values())
 
 
-def test_longer_joints_have_a_smaller_jrc_and_jcs():
+def test_longer_joints_have_smaller_constants():
     """Barton & Bandis 1982: JRC 10 and 100 MPa of 100 mm at 400 mm, by hand."""
     assert scaled_to(0.4, 10.0, 100e6) == pytest.approx((10.0 * 4.0**-0.2, 100e6 * 4.0**-0.3))
     assert scaled_to(0.1, 10.0, 100e6) == (10.0, 100e6)
+
+
+def test_laws_of_longer_joints_are_those_of_their_scaled_constants():
     lab, field = (laws_of_joint(10.0, 150e6, 0.5e6, 2, length) for length in (None, 1.0))
     assert field.scaled == scaled_to(1.0, 10.0, 150e6)
     expected = barton_bandis(field.scaled[0], 150e6, 150e6 / field.scaled[1], 1)
     assert field.by_cycle[1] == expected.since(0.5e6)
     assert laws_of_joint(10.0, 150e6, 0.5e6, 2, 0.1).by_cycle == lab.by_cycle
+
+
+def test_laws_of_longer_joints_state_the_constants_of_both_lengths():
+    field = laws_of_joint(10.0, 150e6, 0.5e6, 2, 1.0)
     for value in ("JRC 6.3 at 1000 mm", "JRC is 10", "JCS 75.2 MPa", "JCS 150 MPa"):
         assert value in field.sentence()
     record = field.record()
