@@ -1,4 +1,4 @@
-"""Closures and stresses read from steps of a history; stiffnesses do not depend on the steps."""
+"""Closures, stresses and stiffnesses are read from the steps of a history, whatever these are."""
 
 import functools
 import itertools
