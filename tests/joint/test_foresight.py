@@ -103,7 +103,7 @@ def test_what_is_refused_can_be_asked_for_by_name():
     assert FLAGS[int(ended.status)] == "too_many_steps"
 
 
-def test_steps_are_foreseen_for_all_cycles_and_the_longest_steps_of_the_breakage():
+def test_steps_are_foreseen_for_all_cycles_in_the_longest_steps_of_the_breakage():
     def foreseen(cycles, breakage):
         bounds = {"most_steps": 20, "breakage": breakage, "cycles": cycles}
         with pytest.raises(jc.InputError, match="steps") as stated:
