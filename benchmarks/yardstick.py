@@ -204,13 +204,13 @@ def by_solver(cells: int, seed: int, scene: str, solver: str) -> tuple[float, fl
 
 
 def spread(times: list, unit: str, scale: float) -> dict:
-    """Return median, least and largest of times, multiplied by ``scale``, by names with ``unit``."""
+    """Return median, least and largest of times by names with ``unit``, times ``scale``."""
     names = (unit, f"{unit} min", f"{unit} max")
     return dict(zip(names, scale * np.quantile(times, (0.5, 0.0, 1.0)), strict=True))
 
 
 def show(title: str, table: pd.DataFrame, output: Path | None, name: str) -> None:
-    """Print a table with a title, and write it as a CSV file to a folder, if one is given."""
+    """Print a table with a title, and write it as CSV to a folder, if one is given."""
     if len(table.columns) > 8:
         shown = table.set_index(table.columns[0]).T.to_string(float_format="{:.4g}".format)
     else:
