@@ -145,7 +145,7 @@ SEATING = 0.5e6
 
 
 def study(status=(0, 0, 0)):
-    """Three surfaces whose closures are 1, 2 and 3 times one curve, later cycles a tenth of it."""
+    """Return three surfaces with 1, 2 and 3 times one closure curve, in later cycles a tenth."""
     stress = np.linspace(0.0, 2e6, 9)
     loading = 1e-4 * np.sqrt(stress / 2e6)
     unloading = 1e-4 * (0.8 + 0.2 * stress / 2e6)
@@ -178,7 +178,7 @@ def study(status=(0, 0, 0)):
 
 
 def like(number, cycle=1, offset=0.0):
-    """A measured curve that is a modelled one, from another zero."""
+    """Return a modelled curve as a measured one, with an offset of closure [m]."""
     base = study().isel(case=0, realization=number).sel(cycle=cycle)
     up, down = (base.closure - base.bulk_indentation).values
     stress = np.append(base.stress, base.stress[-2::-1])
@@ -224,7 +224,7 @@ def test_each_cycle_has_its_own_best_and_all_together_one_and_none_that_failed()
 
 
 def slate(surfaces, seed=1, draws="independent", elasticity=-1.0):
-    """A rock with three levels of E whose truth is known."""
+    """Return a study of one rock with three levels of E, whose elasticity is known."""
     study = {"rocks": ["slate"], "realizations": surfaces, "root_seed": seed, "draws": draws}
     levels = dict.fromkeys(("poisson_ratio", "compressive_strength_MPa", "jrc"))
     known = ELASTICITIES[2] | {"youngs_modulus": elasticity}
@@ -235,7 +235,7 @@ def slate(surfaces, seed=1, draws="independent", elasticity=-1.0):
 
 
 def refined(study, differences, bias=-0.08, scatter=0.05, seed=1):
-    """The first surfaces of a study by finer numerics."""
+    """Return the first surfaces of a study as by finer numerics: with a bias and scatter."""
     closed = study.isel(realization=slice(differences))
     noise = np.random.default_rng(seed).standard_normal(closed.max_closure.shape)
     factor = xr.DataArray(1.0 + bias + scatter * noise, dims=closed.max_closure.dims)
@@ -244,7 +244,7 @@ def refined(study, differences, bias=-0.08, scatter=0.05, seed=1):
 
 
 def reached_closures(study, finest, within):
-    """Rows of gross closures; those of net closures, which are judged too, differ by a factor."""
+    """Return the rows of gross closures of `reached_table`; those of net closures are alike."""
     table = reached_table(study, finest, Accuracy(within=within), 0.05)
     gross, net = (part for _, part in table.groupby("quantity"))
     assert len(gross) == len(net)
