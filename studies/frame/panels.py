@@ -82,7 +82,7 @@ class Row(NamedTuple):
 
 
 class PanelColumn(NamedTuple):
-    """Column of panels: the column of tables ``along`` its axis, and that with a line per value.
+    """Column of panels over a column ``along`` of tables, with a line for each value of ``lines``.
 
     Only rows with the values ``where`` are drawn. ``scale`` is linear, log or symlog; if it is log,
     0 and infinity are drawn at its ends. The row with the values ``level`` is drawn across the

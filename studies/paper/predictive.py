@@ -92,7 +92,7 @@ def median_pool_error(lengths: Predictive, entry: Entry) -> float:
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
-def _with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
+def _error_with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
     """Return the standard error of a probability: that due to repetitions with that of the pool."""
     of_pool = float(repeated.pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
@@ -149,7 +149,7 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
         resampled = [drawn[entry] for drawn in lengths_of_studies.model[1:]]
         shares = [float(np.isinf(drawn).mean()) for drawn in resampled]
-        error = _with_pool(_error(share, lengths.size), shares, resampled)
+        error = _error_with_pool(_error(share, lengths.size), shares, resampled)
         row |= {"share_without_root": share, "share_error": error}
         row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
         if entry in published:
@@ -168,7 +168,7 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
         p = probability(of_pool, length * size)
         again = [probability(lengths, length * size) for lengths in resampled]
         error = sides * _error(p / sides, of_pool.size)
-        row |= {f"{prefix}p": p, f"{prefix}p_error": _with_pool(error, again, resampled)}
+        row |= {f"{prefix}p": p, f"{prefix}p_error": _error_with_pool(error, again, resampled)}
     return row
 
 
