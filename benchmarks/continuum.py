@@ -66,7 +66,7 @@ def stresses_of(largest: float, landing: float) -> Stresses:
     return Stresses(every, np.searchsorted(every, levels), int(half), int(last))
 
 
-class History(NamedTuple):
+class PressedJoint(NamedTuple):
     """Closures [m] and shares of the cells in contact over (branch, level), and what stays [m].
 
     Closures count from first touch of the pristine walls.
@@ -86,17 +86,17 @@ def hardnesses(rock) -> dict[str, float]:
     }
 
 
-def asperity_model(walls, effects, stresses: np.ndarray) -> History:
+def asperity_model(walls, effects, stresses: np.ndarray) -> PressedJoint:
     """Our model."""
     history = close(walls, effects, stresses[-1], cycles=2)
     stresses = np.minimum(stresses, float(history.normal_stress.max()))  # breakage may jump over it
     read = [closures_at(history, stresses, of) for of in ("closure", "contact_fraction")]
     # loading, unloading of the first cycle, loading of the second
     curves, shares = (np.array([each[0, 0], each[0, 1], each[1, 0]]) for each in read)
-    return History(curves, shares, float(history.residual_closure[0]))
+    return PressedJoint(curves, shares, float(history.residual_closure[0]))
 
 
-def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> History:
+def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> PressedJoint:
     """The history of a continuum code.
 
     ``press(stress)`` gives closure [m] and pressures (y, x) [Pa] at the next stress [Pa];
@@ -117,10 +117,10 @@ def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> H
                 continue
             closure[branch, level], pressure = press(stresses[level])
             contact[branch, level] = np.mean(pressure > 0.0)
-    return History(closure, contact, residual)
+    return PressedJoint(closure, contact, residual)
 
 
-def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
+def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> PressedJoint:
     """A code of `peers.py`: one curve for all branches."""
     solve = set_up(gap)
     guess = np.ones_like(gap)
@@ -129,7 +129,7 @@ def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
         closure, guess, _ = solve(stress, guess * (stress / guess.mean()), 1e-6, np.ptp(gap))
         curves.append((closure, np.mean(guess > 0.0)))
     closure, contact = (np.tile(each, (len(BRANCHES), 1)) for each in np.transpose(curves))
-    return History(closure, contact, 0.0)
+    return PressedJoint(closure, contact, 0.0)
 
 
 def plastic(gap: np.ndarray, hardness: float):
@@ -182,17 +182,17 @@ def models() -> dict[str, Callable]:
     return found
 
 
-def closed(name: str, history_of: Callable, walls, stresses: np.ndarray) -> History:
+def closed(name: str, simulate_pair: Callable, walls, stresses: np.ndarray) -> PressedJoint:
     """A model's history of two walls; NaN, and a line, where a code finds no equilibrium."""
     try:
-        return history_of(walls, stresses)
+        return simulate_pair(walls, stresses)
     except RuntimeError as error:
         print(f"{name}: a realisation is left out ({error})", flush=True)
         nothing = np.full((len(BRANCHES), stresses.size), np.nan)
-        return History(nothing, nothing, np.nan)
+        return PressedJoint(nothing, nothing, np.nan)
 
 
-def readings(history: History, stresses: Stresses) -> dict[str, float]:
+def readings(history: PressedJoint, stresses: Stresses) -> dict[str, float]:
     """What is compared, in micrometres, percent and MPa/mm."""
     half = stresses.half
     top = stresses.all.size - 1
@@ -220,7 +220,7 @@ def _chord(closure: np.ndarray, stresses: np.ndarray, low: int, high: int) -> fl
     return float(rise / (closure[high] - closure[low])) if high > low else np.nan
 
 
-def table_of(histories: dict[str, list[History]], stresses: list[Stresses]) -> pd.DataFrame:
+def table_of(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> pd.DataFrame:
     """Means with errors, and ratios to the first model's by pairs of the same walls."""
     read = {
         name: pd.DataFrame(
@@ -248,7 +248,7 @@ NOT_DRAWN = ("tamaas", "aspher")
 
 
 @styled
-def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresses]) -> Figure:
+def continuum_figure(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> Figure:
     """Stress and contact against closure, means over realisations; bars are standard errors."""
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 5.2), layout="constrained")
     shown = [name for name in histories if not any(word in name for word in NOT_DRAWN)]

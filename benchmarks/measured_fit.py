@@ -13,12 +13,12 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL
 from jointclosure.storage.files import write_csv
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 OUTPUT = Path(__file__).parents[1] / "build/benchmarks"
 SPACING, JRC, SURFACES, CELLS = 0.25e-3, 8.0, 12, 64

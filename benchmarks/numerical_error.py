@@ -25,12 +25,12 @@ from effects_auto import SPACING, scene
 
 import jointclosure as jc
 from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.numerical_error import NOT_STABLE, numerical_error, scatter_of
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.uncertainty.variants import COPIES, coarser
 
 TRUE = 0.125

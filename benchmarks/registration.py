@@ -18,14 +18,13 @@ import pandas as pd
 import scipy
 
 import jointclosure as jc
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.roughness import detrended

@@ -24,14 +24,13 @@ import scipy
 
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Cloud, Scan, filled, point_distance, wall_on_grid
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended

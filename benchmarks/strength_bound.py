@@ -23,12 +23,12 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.ensembles.joints import Reading, close_joint
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.provenance import write_origin
-from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls
 from jointclosure.uncertainty.variants import COPIES, coarser
+from jointclosure.walls.wall_files import registered_walls
 
 NONE, BASE = "none, as in the paper", "strength bounded by the base"
 RULES = {NONE: jc.Choices(strength_bound="none"), BASE: jc.Choices(strength_bound="base")}

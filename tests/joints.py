@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import jointclosure as jc
-from jointclosure.uncertainty.scanned_joint import RESOLVED
+from jointclosure.joint.conditions import RESOLVED
 
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 SPACING = 0.25e-3

@@ -9,16 +9,10 @@ import xarray as xr
 
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.status import FAILURE
+from jointclosure.storage.files import digest
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
-from studies.frame.settings import (
-    Case,
-    ForeignFileError,
-    Point,
-    digest,
-    foreign,
-    read_checked,
-    reading_checked,
-)
+from studies.frame.checked_files import ForeignFileError, foreign, read_checked, reading_checked
+from studies.frame.settings import Case, Point
 from studies.frame.tables import join_cases
 
 ROWS = 256

@@ -4,12 +4,9 @@ Every job that closes joints reads this module: it imports nothing that is slow 
 models of the configuration.
 """
 
-import contextlib
-import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,55 +15,13 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.files import MAKE_AGAIN, digest
 from jointclosure.walls import CrushedWalls, Walls
+from studies.frame.checked_files import ForeignFileError, read_checked
 
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""
-
-
-AGAIN = "delete it and start again; missing files are made again"
-"""Advice on a file that is damaged, or of another study."""
-
-
-class ForeignFileError(InputError):
-    """Error for a file that is whole, but not of this study."""
-
-
-def foreign(path: str | Path) -> ForeignFileError:
-    """Return the error for a file of other settings, surfaces or code."""
-    return ForeignFileError(
-        f"{path}: is not of this study (other settings, surfaces or code): {AGAIN}"
-    )
-
-
-def digest(*parts: object) -> str:
-    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-@contextlib.contextmanager
-def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
-    """Open a file of this study, whose values are read when they are used.
-
-    Raises
-    ------
-    DamagedFileError
-        If the file is not as it was written.
-    ForeignFileError
-        If it was made with other settings or by other code; ``key`` is that of its attributes.
-    """
-    with reading_netcdf(path) as stored:
-        if stored.attrs.get("key") != key:
-            raise foreign(path)
-        yield stored
-
-
-def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a file of this study without some variables; errors as for `reading_checked`."""
-    with reading_checked(path, key) as stored:
-        return stored.drop_vars(without, errors="ignore").load()
 
 
 class JointGrid(NamedTuple):
@@ -238,13 +193,11 @@ def walls_in(files: Iterable[str], settings: ClosureSettings | SurfaceSettings) 
     """
     following = settings.first_realization
     for file in files:
-        surfaces = read_netcdf(file)
-        if surfaces.attrs.get("key") != surfaces_key(settings):
-            raise foreign(file)
+        surfaces = read_checked(file, surfaces_key(settings))
         if int(surfaces.realization[0]) != following:
             raise ForeignFileError(
                 f"{file}: begins with realisation {int(surfaces.realization[0])}, must begin "
-                f"with {following}: {AGAIN}"
+                f"with {following}: {MAKE_AGAIN}"
             )
         following += surfaces.sizes["realization"]
         yield from zip(*(surfaces[side].values for side in SIDES), strict=True)

@@ -21,16 +21,9 @@ from studies.frame.cases import (
     expected_seconds,
     first_with_surfaces,
 )
+from studies.frame.checked_files import ForeignFileError, read_checked
 from studies.frame.closing import close_joints
-from studies.frame.datasets import (
-    CURVES,
-    ForeignFileError,
-    joints_key,
-    of_case,
-    read_checked,
-    read_joints,
-    write_ensemble,
-)
+from studies.frame.datasets import CURVES, joints_key, of_case, read_joints, write_ensemble
 from studies.frame.points import case_point
 from studies.frame.settings import surface_settings, surfaces_dataset, walls_in, walls_of
 from studies.frame.tables import join_cases

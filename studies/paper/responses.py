@@ -22,7 +22,7 @@ from jointclosure.statistics.indifference import (
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
 from jointclosure.walls.roughness import bearing_depths, z2_of_jrc
-from studies.frame.datasets import read_checked
+from studies.frame.checked_files import read_checked
 from studies.frame.settings import BASE, JointGrid, Synthesis, walls_of_seed
 from studies.frame.tables import succeeded
 
@@ -122,7 +122,7 @@ def from_dataset(dataset: xr.Dataset) -> Covariates:
 def read_covariates(file: str, study: xr.Dataset) -> Covariates | None:
     """Read the covariates of a study's surfaces in a file of `as_dataset`; None without a file.
 
-    Errors are as for `studies.frame.datasets.read_checked`.
+    Errors are as for `studies.frame.checked_files.read_checked`.
     """
     return from_dataset(read_checked(file, study.attrs["key"])) if file else None
 

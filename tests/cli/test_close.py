@@ -14,6 +14,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli.results import summary
 from jointclosure.inputs.remarks import cautions
+from jointclosure.joint import conditions
 from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import read_netcdf
@@ -25,7 +26,7 @@ from tests.cli.conftest import leave_undrawn
 from tests.joints import TWO_WALLS
 
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
-RESOLVED = {"numerics": scanned_joint.RESOLVED}
+RESOLVED = {"numerics": conditions.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2, "--rock", "granite"]
 COARSE = ["--spacing", 0.5, "--tolerance", 0.1]
 """Of a joint whose numbers are compared with those of no other."""
@@ -255,7 +256,7 @@ def test_settings_of_several_words_add_up(settings):
 
 def test_only_the_rule_of_breakage_replaces_resolved_breakage(settings):
     words, closed = settings
-    usual = scanned_joint.RESOLVED if STATED[words] else jc.Numerics()
+    usual = conditions.RESOLVED if STATED[words] else jc.Numerics()
     for name in ("breakage", "displacement_step", "later_breakage_step"):
         assert getattr(closed["numerics"], name) == getattr(usual, name)
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.parameters import USUAL, check_choices, check_usual
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Scan
 from studies.frame.rocks import ScannedWalls
 from studies.frame.walls import prepared_walls

@@ -13,8 +13,8 @@ from tests.joints import ELASTIC, pair
 from tests.processes import python
 
 
-def closed(effects, breakage="fixed_step"):
-    about = {"effects": effects, "breakage": breakage, "seating_stress": 0.0}
+def closed(effects, breakage="fixed_step", solver="fast"):
+    about = {"effects": effects, "breakage": breakage, "seating_stress": 0.0, "solver": solver}
     return joints.closed(pair(10, 1), 1e5, **about)
 
 
@@ -25,6 +25,7 @@ kernels.SHIPPED = pathlib.Path("no shipped code")
 from tests.solvers.test_effects_cost_nothing import closed
 from jointclosure import Effects
 from jointclosure.solvers.breakage import breakage_kernel
+from jointclosure.solvers.reference import reference_kernel
 found = []
 for gouge, breakage in ((True, "fixed_step"), (False, "fixed_step"), (True, "resolved")):
     closed(Effects(gouge=gouge), breakage)
@@ -32,6 +33,13 @@ for gouge, breakage in ((True, "fixed_step"), (False, "fixed_step"), (True, "res
     (signature,) = kernel.signatures
     text = kernel.inspect_llvm(signature)
     found.append([name for name in ("measure_drops", "returning_losses") if name in text])
+for breakage, gouge in ((True, True), (True, False), (False, False)):
+    closed(Effects(breakage=breakage, gouge=gouge), solver="reference")
+    kernel = reference_kernel(True, breakage, gouge, False)
+    (signature,) = kernel.signatures
+    text = kernel.inspect_llvm(signature)
+    names = ("is_overstressed", "passed_share", "lay_back")
+    found.append([name for name in names if name in text])
 print(json.dumps(found))
 """
 
@@ -40,10 +48,12 @@ print(json.dumps(found))
 def test_code_of_an_effect_that_is_off_is_not_in_the_machine_code(tmp_path):
     # compiled anew: numba cannot show code that it took from its cache
     done = python("-c", CODE, JOINTCLOSURE_CACHE=str(tmp_path))
-    full, without_gouge, resolved = json.loads(done.stdout.splitlines()[-1])
+    full, without_gouge, resolved, *reference = json.loads(done.stdout.splitlines()[-1])
     assert full == ["measure_drops"]
     assert without_gouge == []
     assert resolved == ["measure_drops", "returning_losses"]
+    all_of_breakage = ["is_overstressed", "passed_share", "lay_back"]
+    assert reference == [all_of_breakage, ["is_overstressed"], []]
 
 
 def refuse(*_):

@@ -13,7 +13,7 @@ import jointclosure as jc
 from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
-from jointclosure.uncertainty.scanned_joint import _force_in_holes, registered_walls
+from jointclosure.uncertainty.scanned_joint import _force_in_holes
 from jointclosure.walls import motion
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.outliers import remove_plateaus, remove_spikes, spikes
@@ -21,6 +21,7 @@ from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.wall_files import registered_walls
 from tests.joints import SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)

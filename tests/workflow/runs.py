@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import psutil
 import yaml
 
 ROOT = Path(__file__).parents[2]
@@ -128,18 +127,6 @@ def state_of(folder: Path) -> dict[str, tuple[int, str]]:
         for path in sorted((folder / "results").rglob("*"))
         if path.is_file()
     }
-
-
-def processes_in(folder: Path) -> list[psutil.Process]:
-    """Processes that work in a folder."""
-    found = []
-    for process in psutil.process_iter():
-        try:
-            if Path(process.cwd()) == folder and process.status() != psutil.STATUS_ZOMBIE:
-                found.append(process)
-        except psutil.Error:
-            continue
-    return found
 
 
 def studies_command(*words) -> subprocess.CompletedProcess:

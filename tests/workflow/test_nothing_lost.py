@@ -15,6 +15,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from tests.processes import processes_in
 from tests.workflow import runs
 
 RESULTS = "results/tiny"
@@ -63,8 +64,8 @@ def strike(run: subprocess.Popen, number: int, whom: str) -> bool:
 def wait_for_the_end(folder: Path, run: subprocess.Popen, seconds: float) -> str:
     """Wait until nothing works in a folder; what was printed."""
     deadline = time.monotonic() + seconds
-    while run.poll() is None or runs.processes_in(folder):
-        assert time.monotonic() < deadline, runs.processes_in(folder)
+    while run.poll() is None or processes_in(folder):
+        assert time.monotonic() < deadline, processes_in(folder)
         time.sleep(0.1)
     return (folder / "output.txt").read_text()
 
@@ -100,7 +101,7 @@ def waiting_make(folder: Path, before: str) -> subprocess.Popen:
         assert run.poll() is None, (folder / "output.txt").read_text()
         time.sleep(0.05)
     # make, timeout, the program, and its job
-    assert len(runs.processes_in(folder)) == 4
+    assert len(processes_in(folder)) == 4
     return run
 
 
@@ -214,7 +215,7 @@ def test_a_run_that_is_ended_or_killed_at_any_moment_loses_nothing(smallest, tmp
     assert run.returncode != 0
     printed = finished(folder)  # the same command, with nothing unlocked by anybody
     assert "unlock" not in printed
-    assert runs.processes_in(folder) == []
+    assert processes_in(folder) == []
     runs.assert_same(folder / "results/smallest", smallest / "results/smallest")
     assert runs.planned(folder, config="smallest.yaml") == {}
 

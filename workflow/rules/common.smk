@@ -14,6 +14,7 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.assessment.selection import MOST_PAIRS, possible_scenes
 from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
+from jointclosure.storage.files import digest
 from jointclosure.walls.scans import file_digest, files_of
 from studies.assessment.plan import READ as ASSESSED_QUANTITIES
 from studies.assessment.plan import planned as planned_assessment
@@ -32,7 +33,7 @@ from studies.frame.datasets import joints_key
 from studies.frame.pilots import examined, tried
 from studies.frame.points import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
-from studies.frame.settings import BASE, digest, joints_of, surface_settings
+from studies.frame.settings import BASE, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain
 from studies.paper.measured import curve_settings, measured_curves
 from studies.paper.report.page import template_digest

@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import chosen_effects, read_checked, write_ensemble
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import chosen_effects, write_ensemble
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 from jointclosure.storage.files import read_csv, write
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import read_checked, reading_checked
+from studies.frame.checked_files import read_checked, reading_checked
 from studies.paper.figures import predictive_figure
 
 if __name__ == "__main__":

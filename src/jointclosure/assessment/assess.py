@@ -21,20 +21,25 @@ import pandas as pd
 from jointclosure.assessment.effect_names import lacks_effects, without
 from jointclosure.compilation.sources import code_digest
 from jointclosure.ensembles.joints import Reading, close_joint
-from jointclosure.execution.cache import digest
 from jointclosure.execution.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from
+from jointclosure.joint.conditions import (
+    RESOLVED,
+    Changes,
+    Conditions,
+    conditions_from,
+    takes_scans,
+)
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
-from jointclosure.storage.files import read_csv
+from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
-from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls, takes_scans
 from jointclosure.uncertainty.variants import COPIES, coarser
 from jointclosure.walls import Walls
+from jointclosure.walls.wall_files import registered_walls
 
 CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
 JUDGED = (CLOSURE, "max_closure")  # to which a request applies: since seating, from first touch

@@ -81,12 +81,15 @@ def summary(
     if history_of(closed).has_flow:
         remarks += _flow_remarks(closed)
     table = result_table(closed, laws, curves, budget)
-    about = "gross closure contains the elastic indentation of the half-spaces, net does not"
-    head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
+    seating = 1e-6 * closed.attrs["seating_stress_Pa"]
+    head = (
+        "Gross closure contains the elastic indentation of the half-spaces, and net closure does "
+        f"not. Closures count from {seating:g} MPa."
+    )
     if budget is not None:
         head += (
-            "; in brackets the range of 9 in 10 joints, due to unknown inputs of the scans and to "
-            "stated ranges"
+            " Brackets contain the results of 9 in 10 joints that have these scans and the stated "
+            "properties."
         )
     lines = [head, table.to_string()]
     if budget is not None:

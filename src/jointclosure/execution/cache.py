@@ -4,7 +4,6 @@ The key is a digest of the settings of a file and of the code of its maker. A ki
 with what is closed, an edit makes again what depends on it, and so do a foreign and a damaged file.
 """
 
-import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.execution.progress import Countdown
 from jointclosure.execution.workers import Failed, ProcessLostError, shared
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import digest
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 
@@ -44,11 +44,6 @@ class Entry(NamedTuple):
     def file(self, folder: Path) -> Path:
         """Path in the folder of a cache."""
         return folder / f"{self.name}.nc"
-
-
-def digest(*parts: object) -> str:
-    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 @lru_cache(maxsize=None)

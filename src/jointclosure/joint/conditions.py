@@ -275,6 +275,19 @@ def model_attributes(
 
 takes_conditions = takes(Conditions)
 """Decorator of functions with the fields of `Conditions` as ``**changes``."""
+RESOLVED = Numerics(
+    breakage="resolved",
+    tolerance=0.02,
+    displacement_step=3e-6,
+    later_displacement_step=3e-6,
+    breakage_step=1e-6,
+    later_breakage_step=1e-6,
+)
+"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
+steps, from which resolved breakage starts, are short enough for smooth curves."""
+takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
+"""Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
+resolved unless numerics are given, and scans determine the spacing."""
 
 
 def conditions_from(

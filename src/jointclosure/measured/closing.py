@@ -14,7 +14,7 @@ import xarray as xr
 from jointclosure.execution.cache import Entry, make_missing
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
@@ -28,7 +28,6 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.uncertainty.variants import coarser
 from jointclosure.walls import shifted
 

@@ -68,7 +68,7 @@ class MeasuredCurve(NamedTuple):
         """Return the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
-    def ascending(self, cycle: int) -> dict[str, logs.Branch]:
+    def ascending(self, cycle: int) -> dict[str, logs.MeasuredBranch]:
         """Return loading and unloading of a cycle, both in ascending order of stress.
 
         Dense logs whose values scatter are averaged (`jointclosure.measured.logs.averaged`).

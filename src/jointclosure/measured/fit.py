@@ -11,6 +11,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.agreement import intervals
 from jointclosure.measured.calibration import (
     Interval,
@@ -26,7 +27,6 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import percent, significant
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 WAVELENGTHS = 8  # mismatch wavelengths at which joints are closed
 STRENGTHS = 4  # strengths at which joints are closed, if they are fitted

@@ -24,10 +24,10 @@ from jointclosure.parameters import (
 )
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
-from jointclosure.uncertainty.scanned_joint import Wall, registered_walls
 from jointclosure.walls import shifted
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
+from jointclosure.walls.wall_files import Wall, registered_walls
 
 SPACING = 0.25e-3
 """Usual grid spacing of random walls [m]."""

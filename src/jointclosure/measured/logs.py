@@ -34,7 +34,7 @@ _MOST_SMOOTHED = 50
 """Least number of points over those of a moving average."""
 
 
-class Branch(NamedTuple):
+class MeasuredBranch(NamedTuple):
     """Points (n,) of a branch in ascending order of stress [Pa] and closure [m].
 
     ``points`` are the numbers of measured points in each; ``errors`` (n,) the standard error of
@@ -124,12 +124,12 @@ def spikes(values: np.ndarray) -> np.ndarray:
     return np.flatnonzero((apart > largest) & (apart > _OF_NEIGHBOURS * beside))
 
 
-def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
+def averaged(stress: np.ndarray, closure: np.ndarray) -> MeasuredBranch:
     """Return a branch, in ascending order of stress, averaged where it is dense and scatters.
 
     The means are evenly spaced along the curve, at distances that exceed their standard error.
     """
-    plain = Branch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
+    plain = MeasuredBranch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
     if stress.size < LEAST_POINTS or not (_is_scattered(stress) or _is_scattered(closure)):
         return plain
     group = _group_numbers(stress, closure)
@@ -157,7 +157,7 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
     errors = np.sqrt(scipy.ndimage.median_filter(spread, min(9, spread.size), mode="nearest"))
     ends = np.where(np.isin(centres, (0, order[-1])), 2.0, 1.0)  # of a straight line at its end
     scatter = float(np.std(misses[0])), float(np.std(misses[1]))
-    return Branch(means[0], means[1], points, ends * errors / np.sqrt(points), scatter)
+    return MeasuredBranch(means[0], means[1], points, ends * errors / np.sqrt(points), scatter)
 
 
 def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:

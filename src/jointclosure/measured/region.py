@@ -19,6 +19,7 @@ import pandas as pd
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.agreement import intervals
 from jointclosure.measured.calibration import (
     Likelihood,
@@ -32,7 +33,6 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""

@@ -87,20 +87,6 @@ class Due(NamedTuple):
     before: np.ndarray
 
 
-class Walk(NamedTuple):
-    """Place in a step of closure that is walked through in short steps (resolved breakage).
-
-    ``growth`` is that of the approach [m] in the whole step, by cell; ``due`` what is to be
-    examined at later moments; ``moment`` the number of short steps that are done, and ``left`` the
-    share of the step that is to come.
-    """
-
-    growth: np.ndarray
-    due: Due
-    moment: int
-    left: float
-
-
 class Turns(NamedTuple):
     """Cells that wait to be examined, in one list for each colour."""
 
@@ -565,7 +551,8 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         walks = short_steps > 1
         growing = padded(growth, 0.0) if walks else cells.approach
         due = no_cells_due(cells.upper.size if walks else 0, short_steps)
-        walk = Walk(growing, due, 0, 1.0 if walks else 0.0)
+        moment = 0  # short steps that are done
+        left = 1.0 if walks else 0.0  # share of the step that is to come
         if resolved:
             assign(following[UPPER], cells.upper)
             assign(following[LOWER], cells.lower)
@@ -580,10 +567,10 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         while steps < most_steps:
             if turns.counts.sum() == 0:
                 if walks:
-                    moment = walk.moment + 1
+                    moment += 1
                     if moment == short_steps:
                         break
-                    walk = Walk(growing, due, moment, 1.0 - moment / short_steps)
+                    left = 1.0 - moment / short_steps
                     let_due_wait(due, moment, turns)
                     continue
                 # breakage changes curvatures up to two cells away: check all cells again
@@ -602,14 +589,14 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                 # most of the cells that wait still hold: only these are looked at without corners
                 gather(
                     batch, n, looked_at, cells.upper, cells.lower, cells.approach,
-                    walk.growth, walk.left, cells.stride, current_peaks,
+                    growing, left, cells.stride, current_peaks,
                 )  # fmt: skip
                 if current_peaks:
                     find_peaks(batch, n, looked_at, cells.kind)
                 set_laws(batch, n, looked_at, cells.kind, law)
                 assess(batch, n, allowed, rules)
                 if walks:
-                    foresee(batch, n, looked_at, walk.growth, due, walk.moment, allowed)
+                    foresee(batch, n, looked_at, growing, due, moment, allowed)
                 if not resolved:
                     note_holding(batch, n, looked_at, cells, space.holds_to)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
@@ -617,7 +604,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     continue
                 gather(
                     batch, n, some, cells.upper, cells.lower, cells.approach,
-                    walk.growth, walk.left, cells.stride, True,
+                    growing, left, cells.stride, True,
                 )  # fmt: skip
                 set_laws(batch, n, some, cells.kind, law)
                 batch.steps[:n] = 0.0
@@ -655,7 +642,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
                 if walks:
-                    let_ring_be_due(cells, due, taken[:broken], ring, walk.moment)
+                    let_ring_be_due(cells, due, taken[:broken], ring, moment)
         if steps > 0:
             unpad(cells.upper, upper)
             unpad(cells.lower, lower)

@@ -36,17 +36,16 @@ CRUSHED = 4
 
 
 class Outcome(IntEnum):
-    """Outcomes of `Solver.settle`, with their remedies."""
+    """Outcomes of `Solver.settle`; `jointclosure.joint.status.STATUSES` has their remedies."""
 
     CONVERGED = 0
     """Forces are in equilibrium, and every contact holds or is locked."""
     NOT_CONVERGED = 1
-    """Forces did not reach equilibrium within the tolerance: report it, as no case is known."""
+    """Forces did not reach equilibrium within the tolerance."""
     NOT_AT_REST = 2
-    """Breakage continued beyond the largest number of steps: take larger steps, a
-    `Choices.largest_radius`, or a larger `Numerics.most_breakage_steps`."""
+    """Breakage continued beyond the largest number of steps."""
     RIGID_CONTACT = 3
-    """A flat contact without substrate overlaps, whose force is infinite: let the substrate act."""
+    """A flat contact without substrate overlaps, whose force is infinite."""
 
 
 _SPACE_LASTS = 0.5

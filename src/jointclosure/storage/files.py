@@ -32,6 +32,10 @@ _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.E
 number."""
 
 
+MAKE_AGAIN = "delete it and start again; missing files are made again"
+"""Advice on a file that is damaged, or of another study."""
+
+
 class DamagedFileError(OSError):
     """Error for a file that is not as it was written."""
 
@@ -89,24 +93,28 @@ def _writing_error(path: Path, error: OSError) -> OSError:
 def seal(path: Path) -> None:
     """Append the digest of a file to it."""
     with open(path, "r+b") as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        of_content = hashlib.file_digest(file, "sha256").hexdigest()
         file.seek(0, os.SEEK_END)
-        file.write(_SEAL + digest.encode())
+        file.write(_SEAL + of_content.encode())
 
 
 def check_seal(path: Path) -> None:
     """Raise `DamagedFileError` if a sealed file is not as it was written, in any bit."""
     left = os.path.getsize(path) - len(_SEAL) - END_DIGEST
-    digest = hashlib.sha256()
+    of_content = hashlib.sha256()
     with open(path, "rb") as file:
         while left > 0 and (part := file.read(min(left, _READ_BYTES))):
-            digest.update(part)
+            of_content.update(part)
             left -= len(part)
-        if file.read() != _SEAL + digest.hexdigest().encode():
+        if file.read() != _SEAL + of_content.hexdigest().encode():
             raise DamagedFileError(
-                f"{path}: the file is not as jointclosure wrote it (wrong checksum): "
-                "delete it and start again; missing files are made again"
+                f"{path}: the file is not as jointclosure wrote it (wrong checksum): {MAKE_AGAIN}"
             )
+
+
+def digest(*parts: object) -> str:
+    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:

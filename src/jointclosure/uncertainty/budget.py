@@ -10,7 +10,7 @@ from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
 from jointclosure.uncertainty.published_joints import measured_range
-from jointclosure.uncertainty.ranges import NUMBERS, WIDER
+from jointclosure.uncertainty.ranges import NUMBERS, WIDER, limits_of_error
 from jointclosure.uncertainty.results import (
     CLOSURE_NET,
     KNI,
@@ -164,8 +164,7 @@ class Budget(NamedTuple):
     def record(self) -> list[dict]:
         """Return `ranges` and numerical errors for JSON, one entry per cycle and quantity."""
         rows = self.ranges.astype(object).where(self.ranges.notna(), None)
-        numerical = self.numerical.dropna(subset="error").set_index(["cycle", "quantity"])
-        errors = numerical.error.astype(float).to_dict()
+        errors = limits_of_error(self.numerical)
         return [
             {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
             | row[NUMBERS].to_dict()
