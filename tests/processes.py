@@ -1,4 +1,4 @@
-"""Processes: Python in one of its own, and those that work in a folder."""
+"""Processes for tests: Python with some words, and processes that work in a folder."""
 
 import os
 import subprocess
@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def python(*words, cwd=ROOT, **environment: str) -> subprocess.CompletedProcess:
-    """Run Python with these words; fails with what it printed where that fails."""
+    """Run Python with these words; if it fails, the test fails and shows its output."""
     command, env = [sys.executable, *map(str, words)], os.environ | environment
     done = subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
@@ -19,7 +19,7 @@ def python(*words, cwd=ROOT, **environment: str) -> subprocess.CompletedProcess:
 
 
 def processes_in(folder: Path) -> list[psutil.Process]:
-    """Processes that work in a folder."""
+    """Return the processes that work in a folder."""
     found = []
     for process in psutil.process_iter():
         try:

@@ -16,7 +16,7 @@ SMALL = {"study": {"realizations": 3, "pool": None, "rocks": ["slate"]}}
 
 
 def expected(study, plan):
-    """Expected time [s] of the joints of a plan."""
+    """Return the expected time [s] of the joints of a plan."""
     points = [point for points in plan.points.values() for point in points]
     costs = (
         relative_cost(one.settings.conditions.effects, one.settings.conditions.numerics)

@@ -41,7 +41,7 @@ OWN_SECONDS = np.array([5.0, 1.0, 3.0])  # the first one loaded the kernels
 
 
 def dataset():
-    """Base cases of two rocks with three joints, of which variants close two."""
+    """Return the base cases of two rocks with three joints; variants have the first two."""
     order = ("case", "realization")
     locked = np.array([[[0.02, 0.01], [0.3, 0.1], [0.0, 0.0]], [[0.05, 0.0], [0.0, 0.0], [0.2, 0]]])
     return xr.Dataset(
@@ -60,7 +60,7 @@ def dataset():
 
 
 def joints_of(rock, scale=1.0):
-    """Joints of a rock that are closed by variants, each with a known change."""
+    """Return joints of a rock by all variants, each with a known change."""
     closures = CLOSURES[rock][:2]
     values = np.concatenate([factor * closures for factor in CHANGED.values()])
     seconds = np.repeat([2.0 * scale * time for time in TIMES.values()], 2)
@@ -81,7 +81,7 @@ def joints():
 
 @pytest.fixture
 def study():
-    """Made-up study whose joints all succeeded."""
+    """Return a made-up study whose joints all succeeded."""
     return dataset().assign(status=(("case", "realization"), np.zeros((2, 3), dtype=int)))
 
 
@@ -293,7 +293,7 @@ def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
 
 
 def first_screen(about, **names):
-    """Text of the panels of the first screen."""
+    """Return text and number of pictures of the report's first screen."""
     counts = {"joints": 3, "cases": 2}
     content = {
         "assessed": about,

@@ -1,7 +1,7 @@
-"""Files of a study that are checked where they are read: of this study, and as they were written.
+"""Files of a study, which are read only if they are undamaged and belong to this study.
 
-Each has the key of what it was made from in its attributes. It is compared at this door, which all
-jobs share, so that a file of other settings put in its place becomes an error and not a table.
+The attribute ``key`` of a file is the digest of what it was made from. All jobs read files with
+these functions, so that a file of other settings in its place raises an error.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ from jointclosure.storage.netcdf import reading_netcdf
 
 
 class ForeignFileError(InputError):
-    """Error for a file that is whole, but not of this study."""
+    """Error for an undamaged file that does not belong to this study."""
 
 
 def foreign(path: str | Path) -> ForeignFileError:
@@ -28,14 +28,14 @@ def foreign(path: str | Path) -> ForeignFileError:
 
 @contextlib.contextmanager
 def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
-    """Open a file of this study, whose values are read when they are used.
+    """Open a file of this study; its values are read when they are used.
 
     Raises
     ------
     DamagedFileError
         If the file is not as it was written.
     ForeignFileError
-        If it was made with other settings or by other code; ``key`` is that of its attributes.
+        If its attribute ``key`` differs: it was made with other settings or by other code.
     """
     with reading_netcdf(path) as stored:
         if stored.attrs.get("key") != key:
@@ -44,6 +44,6 @@ def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
 
 
 def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a file of this study without some variables; errors as for `reading_checked`."""
+    """Read a file of this study, except variables ``without``; errors as for `reading_checked`."""
     with reading_checked(path, key) as stored:
         return stored.drop_vars(without, errors="ignore").load()

@@ -1,7 +1,7 @@
-"""Settings that joints depend on, the points at which they are closed, and walls made of them.
+"""Settings of joints, points at which joints are simulated, and walls made from settings.
 
-Every job that closes joints reads this module: it imports nothing that is slow to load, such as the
-models of the configuration.
+Every job that simulates joints imports this module, which therefore imports nothing that is slow to
+load, such as the models of the configuration.
 """
 
 import math
@@ -51,7 +51,10 @@ class Synthesis(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A ``rock`` (its name) with at most one parameter changed [SI]; scanned walls have no JRC."""
+    """A rock (by name) with at most one ``parameter`` changed, to ``value`` [SI].
+
+    ``value`` is NaN for base cases, and ``jrc`` for scanned walls.
+    """
 
     label: str
     rock: str
@@ -84,9 +87,10 @@ class Case(NamedTuple):
 class ClosureSettings(NamedTuple):
     """Settings [SI] that the joints of a case and a block of realisations depend on.
 
-    ``sha256`` has the digests of the files of scanned ``walls``; others are made from seeds, which
-    ``root_seed`` and ``seeds_named_by`` determine. The common axis has ``stress_points`` up to
-    ``largest_stress``. A pilot chooses the effects to the tolerance ``effects_chosen_to``.
+    ``sha256`` has the digests of the files of scanned ``walls``. Other walls are made from seeds,
+    which follow from ``root_seed`` and ``seeds_named_by``. The common stress axis has
+    ``stress_points`` from 0 to ``largest_stress``. Effects are chosen (`choose_effects`) to the
+    tolerance ``effects_chosen_to``; None: they are those of the case.
     """
 
     case: Case
@@ -104,7 +108,7 @@ class ClosureSettings(NamedTuple):
 
     @property
     def conditions(self) -> Conditions:
-        """Conditions at which the walls of the case are closed."""
+        """Conditions under which the joints of the case are simulated."""
         return self.case.conditions
 
     @property
@@ -120,7 +124,7 @@ class ClosureSettings(NamedTuple):
 class SurfaceSettings(NamedTuple):
     """Settings [SI] that the surfaces of a case and a block of realisations depend on.
 
-    Cases with equal ones have the same surfaces.
+    Cases with equal surface settings have the same surfaces.
     """
 
     root_seed: int
@@ -138,7 +142,7 @@ def surface_settings(settings: ClosureSettings | SurfaceSettings) -> SurfaceSett
 
 
 def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
-    """Return the seeds of the walls of a block."""
+    """Return the seed of the walls of each realisation of a block."""
     first = settings.first_realization
     last = settings.first_realization + settings.realizations
     named = settings.seeds_named_by
@@ -146,14 +150,14 @@ def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
 
 
 def walls_of_seed(seed: int, jrc: float, grid: JointGrid, surface: Synthesis) -> Walls:
-    """Make the walls of one realisation; unusual values were checked."""
+    """Return the walls (y, x) [m] of one realisation; unusual values are not refused again."""
     from jointclosure.walls.synthesis import wall_pair  # Fourier transforms, which few jobs need
 
     return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict(), unusual_values=True)
 
 
 def walls_of(settings: ClosureSettings | SurfaceSettings) -> Iterator[Walls]:
-    """Generate the walls of a block, from a JRC."""
+    """Generate the walls of a block from a JRC; raise `InputError` if walls were scanned."""
     if math.isnan(settings.jrc):
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
@@ -177,7 +181,7 @@ def surfaces_dataset(pairs: Iterable[Walls], settings: SurfaceSettings) -> xr.Da
 
 
 def surfaces_key(settings: ClosureSettings | SurfaceSettings) -> str:
-    """Return the digest of all that surfaces depend on, whatever the block of realisations is."""
+    """Return the digest of all that surfaces depend on except the block of realisations."""
     return digest(surface_settings(settings)._replace(first_realization=0, realizations=0))
 
 
@@ -189,7 +193,7 @@ def walls_in(files: Iterable[str], settings: ClosureSettings | SurfaceSettings) 
     DamagedFileError
         If a file is not as it was written.
     ForeignFileError
-        If a file has the surfaces of other settings, or not the realisations that come next.
+        If a file has surfaces of other settings, or does not continue with the next realisation.
     """
     following = settings.first_realization
     for file in files:
@@ -204,10 +208,10 @@ def walls_in(files: Iterable[str], settings: ClosureSettings | SurfaceSettings) 
 
 
 class Point(NamedTuple):
-    """Joints that are closed under the same conditions, one a realisation.
+    """Joints that are simulated under the same conditions, one for each realisation.
 
-    ``coordinates`` [SI] say where it lies in the study. ``maker`` names a function
-    (``module:function``) that generates the walls from settings and ``options``; without it the
+    ``coordinates`` [SI] are those of the joints in datasets and tables. ``maker`` names a function
+    (``module:function``) that generates the walls from settings and ``options``. Without it the
     walls are made from their seeds, or read from a file of surfaces.
     """
 
@@ -225,5 +229,5 @@ class Point(NamedTuple):
 
 
 def joints_of(points: Iterable[Point]) -> int:
-    """Return the number of joints that are closed at some points."""
+    """Return the number of joints at some points."""
     return sum(point.settings.realizations for point in points)

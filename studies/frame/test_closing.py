@@ -45,7 +45,7 @@ NAMES = names_of_case(flow=False)
 
 
 def point_of(label, block, *changes):
-    """Point of a case of the small study with changes, for a block of its realisations."""
+    """Return the point of a case of the small study with changes, for a block of realisations."""
     study = study_of(SMALL, *changes)
     return case_point(study, {case.label: case for case in cases_of(study)}[label], block)
 
@@ -83,7 +83,7 @@ def test_blocks_of_an_accuracy_are_only_added():
 
 
 def shared_by(*changes):
-    """Which case has the surfaces of each case, by label."""
+    """Return for each case the first one with the same surfaces, by label."""
     study = study_of(SMALL, {"study": {"rocks": ["slate", "dolerite"]}}, *changes)
     return first_with_surfaces(study, {case.label: case for case in cases_of(study)})
 
@@ -157,7 +157,7 @@ def test_surfaces_depend_neither_on_the_rock_nor_on_numerics():
 
 
 def closed_in(folder, *changes):
-    """Files of all cases and blocks of a small study with changes, closed by their jobs."""
+    """Simulate all cases and blocks of a small study with changes; return files, keys and cases."""
     study = study_of(SMALL, {"rocks": {"slate": {"levels": {"jrc": None}}}}, *changes)
     cases = cases_of(study)
     keys = {case.label: joints_key(case_point(study, case, range(0)), "code") for case in cases}
@@ -184,7 +184,7 @@ def whole(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def split(tmp_path_factory):
-    """The same in blocks of three realisations."""
+    """Files, keys and cases of a small study, in blocks of three realisations."""
     blocks = {"study": {"realizations_per_job": 3}}
     return closed_in(tmp_path_factory.mktemp("split"), blocks)
 

@@ -66,7 +66,7 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
 
 
 def _defaults(function) -> dict:
-    """Default values of a function's arguments, by name."""
+    """Return the default values of a function's arguments by name."""
     arguments = inspect.signature(function).parameters
     return {name: argument.default for name, argument in arguments.items()}
 
@@ -172,7 +172,7 @@ def test_levels_beyond_three_are_named_in_their_order():
 
 
 def seeds_by_case(study):
-    """Seeds of a realisation of all cases, by what the case is."""
+    """Return the seed of one realisation of each case, by rock, parameter and level."""
     blocks = ((case, block_settings(study, case, range(3, 4))) for case in cases_of(study))
     return {case[1:4]: seeds_of(block)[0] for case, block in blocks}
 
@@ -434,7 +434,7 @@ SLIPS = {
 
 
 def found_in(change, **study):
-    """What is said against a study."""
+    """Return the lines of the error that a study raises; none if it is accepted."""
     try:
         study_of(change, {"study": study})
     except ConfigurationError as error:

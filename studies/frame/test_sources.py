@@ -15,7 +15,7 @@ JOINTS = f"{close_joints.__module__}:close_joints"
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """A copy of the library that may be edited, with one of the studies beside it."""
+    """Copy of the library and of the studies that may be edited; digests are those of the copy."""
     for name, folder in sources.ROOTS.items():
         shutil.copytree(folder, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "ROOTS", {name: tmp_path / name for name in sources.ROOTS})
@@ -108,7 +108,7 @@ STATED = {
 
 
 def all_digests():
-    """Digests in the parameters of rules, by the name of the script."""
+    """Return the digests in the parameters of rules by the name of the script."""
     forget()
     folder = ROOT / "workflow/scripts"
     return {
@@ -119,7 +119,7 @@ def all_digests():
 
 @pytest.fixture(scope="module")
 def unedited():
-    """The digests before any edit; a copy of the package has the same ones."""
+    """Digests before any edit; a copy of the package has the same ones."""
     return all_digests()
 
 
@@ -156,7 +156,7 @@ def test_an_edit_of_what_closes_joints_closes_them_again(copy, unedited):
 
 
 def with_other_texts(file, call):
-    """Edit the text that is the first argument of each call; the number of calls that were."""
+    """Edit the text that is the first argument of each call; return the number of edits."""
     text, count = re.subn(rf'(\b{call}\(\s*f?")', r"\1Edited. ", file.read_text(encoding="utf-8"))
     file.write_text(text, encoding="utf-8")
     ast.parse(text)

@@ -142,7 +142,7 @@ TINY = {
 
 
 def study(factor=1.0, **changes):
-    """A study of one rock, of made-up joints whose closures are multiplied."""
+    """Return a study of one rock with made-up joints, whose closures are multiplied by a factor."""
     made = world(study_of(TINY, {"study": {"realizations": 6} | changes}))
     made = made.assign({name: factor * made[name] for name in compare.TARGETS})
     return made.assign_attrs(source_digest="abc", provenance_commit=str(changes))

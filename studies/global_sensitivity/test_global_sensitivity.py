@@ -27,7 +27,7 @@ def design():
 
 @pytest.fixture(scope="module")
 def world(design):
-    """Closures that are powers of the properties, twice as large with current peaks, and noise."""
+    """Closures that are powers of the properties with noise, twice as large for current peaks."""
     closed = {}
     for rock in design.rocks:
         points = design.points()
@@ -131,7 +131,7 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
 
 
 def mixed(world, design, part: float) -> dict:
-    """Closures that also go as E^3 at such a part of the points of the first input, in a rock."""
+    """Return closures that also go as E^3 at a part of the points, other ones in each rock."""
     changed = {name: each.copy(deep=True) for name, each in world.items()}
     points = design.points()
     for rock, at in (("dolerite", 0.0), ("slate", 1.0 - part)):

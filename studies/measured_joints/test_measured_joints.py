@@ -115,7 +115,7 @@ def test_the_interval_of_a_single_joint_is_not_below_zero():
 
 
 def made_up_joints(contact):
-    """Two joints of two cycles, of which the second one failed."""
+    """Return a table of two joints of two cycles, of which the second joint failed."""
     about = {"variant": BASE, "wavelength": 1e-3, "loaded_as": BASE}
     joints = pd.MultiIndex.from_product([[0, 1], [1, 2]], names=["realization", "cycle"])
     frame = joints.to_frame(index=False).assign(**about, status=[0, 0, 16, 16])

@@ -15,7 +15,7 @@ from tests.joints import SPACING
 
 @pytest.fixture(scope="module")
 def run(joints):
-    """Over (wavelength, tilt, rotation, realization, cycle); tilted and rotated is not closed."""
+    """Joints over (wavelength, tilt, rotation, realization, cycle); none is tilted and rotated."""
     return gridded(joints, ("wavelength", "tilt", "rotation", "realization"), EXPERIMENT.quantities)
 
 

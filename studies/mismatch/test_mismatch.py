@@ -12,7 +12,7 @@ CRITERION = {"tolerance": 0.1, "root_seed": 1}
 
 @pytest.fixture(scope="module")
 def run(joints):
-    """Over (wavelength, shift, realization, cycle)."""
+    """Joints over (wavelength, shift, realization, cycle)."""
     return gridded(joints, ("wavelength", "shift", "realization"), EXPERIMENT.quantities)
 
 
@@ -45,7 +45,7 @@ def test_means_are_those_of_the_joints(tables, run):
 
 
 def made_up(closures, scatter, surfaces=40):
-    """Joints whose mean closures over shifts are given, [0] of independent walls [m]."""
+    """Return joints with given mean closures [0.1 mm]: of independent walls, then over shifts."""
     rng = np.random.default_rng(2)
     drawn = 1e-4 * (1.0 + scatter * rng.standard_normal((2, len(closures) - 1, surfaces)))
     free, *shifted = closures

@@ -26,7 +26,7 @@ from tests.world import ELASTICITIES, world
 
 
 def slate(surfaces, seed=1, draws="independent", elasticity=-1.0):
-    """A rock with three levels of E whose truth is known."""
+    """Return a study of one rock with three levels of E, whose elasticity is known."""
     study = {"rocks": ["slate"], "realizations": surfaces, "root_seed": seed, "draws": draws}
     levels = dict.fromkeys(("poisson_ratio", "compressive_strength_MPa", "jrc"))
     known = ELASTICITIES[2] | {"youngs_modulus": elasticity}
@@ -37,7 +37,7 @@ def slate(surfaces, seed=1, draws="independent", elasticity=-1.0):
 
 
 def refined(study, differences, bias=-0.08, scatter=0.05, seed=1):
-    """The first surfaces of a study by finer numerics."""
+    """Return the first surfaces of a study as by finer numerics: with a bias and scatter."""
     closed = study.isel(realization=slice(differences))
     noise = np.random.default_rng(seed).standard_normal(closed.max_closure.shape)
     factor = xr.DataArray(1.0 + bias + scatter * noise, dims=closed.max_closure.dims)
@@ -46,7 +46,7 @@ def refined(study, differences, bias=-0.08, scatter=0.05, seed=1):
 
 
 def reached_closures(study, finest, within):
-    """Rows of gross closures; those of net closures, which are judged too, differ by a factor."""
+    """Return the rows of gross closures of `reached_table`; those of net closures are alike."""
     table = reached_table(study, finest, Accuracy(within=within), 0.05)
     gross, net = (part for _, part in table.groupby("quantity"))
     assert len(gross) == len(net)

@@ -34,7 +34,7 @@ TINY = {
 
 
 def tiny_study(flow: bool) -> xr.Dataset:
-    """A study of the first two cases, put together."""
+    """Return the dataset of the first two cases of a small study."""
     study = study_of(TINY, {"flow": flow})
     first = cases_of(study)[:2]
     names = names_of_case(flow)
@@ -95,7 +95,7 @@ def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
 
 @pytest.fixture
 def with_remarks(studies):
-    """Closures of 1, 2 and 6 mm in the first case, of which the last is outside of the range."""
+    """Study with closures of 1, 2 and 6 mm in the first case, of which the last has two remarks."""
     study = studies[False].copy(deep=True)
     study["max_closure"][0] = np.array([[1e-3, 2e-3, 6e-3]] * 2).T
     study["status"][0] = [0, 0, OUTSIDE_MODEL_RANGE | TARGET_JUMPED]

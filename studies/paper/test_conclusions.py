@@ -22,9 +22,9 @@ ALL, ONE = "a; b; c; d", "a"
 
 
 def stated(verdict, readings=None, shares=(), number="5a") -> pd.Series:
-    """The row of a claim with such readings (verdict, rocks, allowed), and shares of choices.
+    """Return the conclusion on a claim with readings (verdict, rocks, allowed) and ``shares``.
 
-    ``shares``: response, cycle, share, its low and high end.
+    ``shares`` of choices are rows of response, cycle, share, and its low and high end.
     """
     about = {"number": number, "claim": "it rises", "verdict": verdict}
     claims = pd.DataFrame([about | dict(zip(FOUND, (0.9, 0.01, 0.88, 0.92), strict=True))])

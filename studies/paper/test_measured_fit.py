@@ -11,7 +11,7 @@ SEATING = 0.5e6
 
 
 def study(status=(0, 0, 0)):
-    """Three surfaces whose closures are 1, 2 and 3 times one curve, later cycles a tenth of it."""
+    """Return three surfaces with 1, 2 and 3 times one closure curve, in later cycles a tenth."""
     stress = np.linspace(0.0, 2e6, 9)
     loading = 1e-4 * np.sqrt(stress / 2e6)
     unloading = 1e-4 * (0.8 + 0.2 * stress / 2e6)
@@ -44,7 +44,7 @@ def study(status=(0, 0, 0)):
 
 
 def like(number, cycle=1, offset=0.0):
-    """A measured curve that is a modelled one, from another zero."""
+    """Return a modelled curve as a measured one, with an offset of closure [m]."""
     base = study().isel(case=0, realization=number).sel(cycle=cycle)
     up, down = (base.closure - base.bulk_indentation).values
     stress = np.append(base.stress, base.stress[-2::-1])

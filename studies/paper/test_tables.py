@@ -181,7 +181,7 @@ SMALL = {
 
 
 def made_by(configuration):
-    """Grid and synthesis of the walls of a study."""
+    """Return grid and synthesis of the walls of a study."""
     return joint_grid(configuration), synthesis(configuration)
 
 
@@ -301,9 +301,9 @@ def test_checks_that_pass_leave_a_note(tmp_path):
 
 
 def drawn_branches(study, seating=None, history=lambda *joint: None):
-    """Lines of each cycle's panel: (x, y) of loading and unloading, those of the chosen one last.
+    """Generate the lines (x, y) of loading and of unloading in the panel of each cycle.
 
-    Each goes upwards in stress.
+    The last line is that of the chosen surface. Stresses of a line ascend.
     """
     most = float(study.max_normal_stress[0])
     rock = study_of().rocks["slate"]._replace(max_normal_stress=most)
@@ -390,7 +390,7 @@ FORMULA = "Slate of $ 5 {x_1"
 
 @pytest.fixture(scope="module")
 def slate():
-    """A study of slate in the known world: configuration, dataset, and tables that are drawn."""
+    """Study of slate in the known world: configuration, dataset, and tables that are drawn."""
     study = study_of({"study": {"rocks": ["slate"], "pool": None}})
     closed = world(study)
     intervals = indifference_table(closed, study.statistics, 1)

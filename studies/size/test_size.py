@@ -15,7 +15,7 @@ ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 
 
 def walls_of(patch, spacing, position=0):
-    """Walls of the first realisation of a patch of a size."""
+    """Return the walls of the first realisation of a patch [m] at a spacing [m] and a position."""
     points = scale.EXPERIMENT.jobs(study_of(TINY))["slate.free"]
     sizes = [(point.coordinates["patch"], point.coordinates["spacing"]) for point in points]
     return next(points[sizes.index((patch, spacing)) + position].walls())
@@ -63,7 +63,7 @@ def test_ratios_are_of_pairs_of_the_same_walls(run):
 
 
 def power_law(power, bend=0.0, surfaces=6):
-    """A run whose readings go as powers of the patch, bent or not, and of the rms height."""
+    """Return joints whose quantities are a power of the patch, which may be bent, with scatter."""
     random = np.random.default_rng(3)
     patch = np.array([1e-3, 2e-3, 4e-3])
     spacing = np.array([1e-4, 2e-4])
@@ -145,7 +145,7 @@ def test_what_is_too_many_cells_is_not_closed(run):
 
 
 def made_up(surfaces, noise, power=0.7, extra=0.0, seed=1):
-    """A response that goes as a power of a size, with a part that does not, on many surfaces."""
+    """Return predictor and response of many surfaces: a power of a size, and an ``extra`` part."""
     random = np.random.default_rng(seed)
     size = np.log(np.repeat([1.0, 2.0, 4.0], 3))
     other = np.tile([-1.0, 2.0, -1.0], 3)

@@ -16,7 +16,7 @@ TOLERANCES = {"residual": 1e-8, "strength": 0.0, "target": 1e-3}
 
 
 def at_rest(choices):
-    """A joint at rest after breakage: what it was, and its state."""
+    """Return the pristine joint, and its state at rest after breakage."""
     walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
     effects = jc.Effects()
     joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)

@@ -16,7 +16,7 @@ from tests.measured.test_calibration import GOOD
 
 @pytest.fixture(autouse=True, scope="module")
 def one_processor():
-    """So that no command starts processes, which takes longer than small joints."""
+    """Make commands see one processor: starting processes takes longer than small joints."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("os.sched_getaffinity", lambda process: {0}, raising=False)
         yield
@@ -32,7 +32,7 @@ def status_of(*words):
 
 @pytest.fixture
 def command(capsys):
-    """Function that runs a command: its status, what it prints, and its errors."""
+    """Function that runs a command, and returns its status, output and errors."""
     return lambda *words: (status_of(*words), *capsys.readouterr())
 
 
@@ -62,7 +62,7 @@ def undrawn(monkeypatch):
 
 
 def write_points(path, heights):
-    """A scan as instruments write it: a head, separators at the ends of lines, millimetres."""
+    """Write a scan [mm] as instruments do: with a header, and separators at the ends of lines."""
     y, x = np.indices(heights.shape) * 1e3 * SPACING
     points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
     lines = [",".join(f"{value:.6f}" for value in point) + "," for point in points]
@@ -71,7 +71,7 @@ def write_points(path, heights):
 
 @pytest.fixture(scope="session")
 def inputs(tmp_path_factory):
-    """Both walls of a joint in one frame, z upwards, as points and arrays; a wall; a curve."""
+    """Folder with both walls of a joint (z upwards; points and arrays), a single wall, a curve."""
     folder = tmp_path_factory.mktemp("inputs")
     upper, lower = jc.wall_pair(9.0, (48, 56), SPACING, seed=4, correlation=0.9, roll_off=None)
     for name, heights in (("top", 0.6e-3 - upper), ("bottom", lower)):

@@ -92,3 +92,10 @@ def test_the_readmes_command_prints_the_closures_that_the_readme_states(tmp_path
     ranges = r"0\.\d+ \(0\.\d+ to 0\.\d+\)"
     line, _ = re.findall(r"^net closure since seating \(mm\).*", printed, re.M)  # of both ranges
     assert re.findall(ranges, line) == re.findall(f"({ranges}) mm on the", text)
+
+
+def test_the_readme_names_the_command_by_which_the_check_runs_the_tests():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    check = (ROOT / ".ci/run").read_text(encoding="utf-8").splitlines()
+    assert "make test" in check
+    assert "`make test`" in readme

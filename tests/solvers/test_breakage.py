@@ -178,7 +178,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
         pb.assess(batch, 1, 1.0 + 0.5 * band, rules)
         pb.measure_drops(batch, 1, pb.UPPER, tie)
         pb.measure_drops(batch, 1, pb.LOWER, tie)
-        ratio, kappa = batch.stress_ratio[0], batch.curvature[:, 0].sum()
+        ratio, kappa = batch.overlap_ratio[0], batch.curvature[:, 0].sum()
         strength = LAW.critical_indentation[0], LAW.breaking_force[0], LAW.substrate
         overstressed = is_overstressed(batch.overlap[0], kappa, *strength, filling)
         assert overstressed == (ratio > 1.0) or abs(ratio - 1.0) < 1e-9

@@ -1,4 +1,4 @@
-"""Close the joints of a case, or of a block of its realisations, over their load cycles."""
+"""Close the joints of a block of realisations of a case over their load cycles."""
 
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to

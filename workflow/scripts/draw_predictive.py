@@ -1,4 +1,4 @@
-"""Draw what repetitions of the study would publish as Table 3, as PNG and PDF."""
+"""Draw Table 3 as it is distributed over repetitions of the study, as PNG and PDF."""
 
 from jointclosure.storage.files import read_csv, write
 from jointclosure.storage.logs import logging_to

@@ -1,4 +1,4 @@
-"""Fit the elasticities of the closure, of all surfaces of a study."""
+"""Fit the elasticities of the closure to the joints of the pool, or of the study without one."""
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to

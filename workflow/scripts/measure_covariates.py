@@ -1,4 +1,4 @@
-"""Measure the covariates of closed joints, and their means on further surfaces."""
+"""Measure the covariates of the study's surfaces, and their means on further surfaces."""
 
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf

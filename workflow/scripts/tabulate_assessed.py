@@ -1,4 +1,4 @@
-"""Tabulate what the numerics of a study reached, and what its effects add and cost."""
+"""Tabulate the accuracy of a study's numerics, and what its effects add and cost."""
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to

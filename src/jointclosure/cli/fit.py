@@ -25,7 +25,10 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Fit the joint, and print and write the result; null in its file means infinity."""
+    """Fit the joint; print and write the result.
+
+    In its file null is an infinite or unknown number, or a strength that was not fitted.
+    """
     if arguments.output:
         from jointclosure.plotting.measured import fit_figure
     stated = options.measured_joint(arguments, fit, RESOLVED)

@@ -1,4 +1,4 @@
-"""What commands print and write of a closed joint: closures, status, snapshots and files."""
+"""What commands print and write of a simulated joint: closures, status, snapshots and files."""
 
 import argparse
 import json
@@ -111,7 +111,7 @@ def summary(
 
 
 def _overlap_remarks(closed: xr.Dataset) -> list[str]:
-    """Warn of maxima at which contacts overlap by more than the mean aperture that is left."""
+    """Return cautions about maxima at which the mean overlap exceeds the mean aperture left."""
     remarks: list[str] = []
     for cycle in history_of(closed).cycles:
         if not cycle.unloading.exists:
@@ -181,7 +181,7 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
-    """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
+    """Return the results of a joint by the laws of Barton and Bandis, by title and column."""
     maxima = history_of(closed).maxima
     values: dict[str, dict[str, float]] = {}
     for cycle, law in laws.by_cycle.items():

@@ -1,7 +1,8 @@
-"""Cache of closed joints: files that processes make, and that are kept while their key agrees.
+"""Cache of simulated joints: files that processes make, and that are kept while their key agrees.
 
-The key is a digest of the settings of a file and of the code of its maker. A killed run goes on
-with what is closed, an edit makes again what depends on it, and so do a foreign and a damaged file.
+The key is a digest of the settings of a file and of the code of its maker. A run that was killed
+continues with the joints that are kept. Files are made again if code on which they depend was
+edited, if they are of other settings, or if they are damaged.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -42,7 +43,7 @@ class Entry(NamedTuple):
         return digest(_code(made_by, *self.uses), self.settings)
 
     def file(self, folder: Path) -> Path:
-        """Path in the folder of a cache."""
+        """Return the path of the file in the folder of a cache."""
         return folder / f"{self.name}.nc"
 
 

@@ -2,8 +2,8 @@
 
 A log has its points in the order of measurement, so that the number of a point is free of error,
 while stress and closure both scatter. Neighbouring points are therefore averaged by their number:
-the means lie on the curve, which the points that exceed all former stresses do not, as they are
-those whose error of stress is positive.
+the means lie on the curve. Points that exceed all former stresses do not, because they are those
+with a positive error of stress.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,8 @@ _STEPS_OVER_NOISE = 30.0
 _FEWEST = 8
 """Least number of means of a branch, unless these have too few points."""
 _OF_END = 3.0
-"""Distance of an end from the mean before it, over its standard error, if it is not held."""
+"""Distance of an end from the mean before it, over its standard error, beyond which the stress was
+not held there."""
 _SPIKE = 0.2  # least size of a spike over the range of values; chosen
 _OF_NEIGHBOURS = 5.0  # the same over the changes before and after it; chosen
 _DENSE = 200
@@ -62,7 +63,7 @@ def exceeds_former(values: np.ndarray) -> np.ndarray:
 def scatter_of(values: np.ndarray) -> float:
     """Estimate the standard deviation of values (n,) about a smooth curve from their curvature.
 
-    That of values that a log holds in steps is at least that of the rounding to a step.
+    If the log has values in steps, it is at least that of the rounding to a step.
     """
     if values.size < LEAST_POINTS:
         return 0.0

@@ -42,7 +42,7 @@ def tallest_first(cells, upper, lower):
 
 @kernel
 def lay_back(heights, y, x, neighbours):
-    """Write the eight neighbours of a cell into its wall."""
+    """Write the heights (8,) of the neighbours of a cell back to its wall (y, x)."""
     ny, nx = heights.shape
     k = 0
     for dy in range(-1, 2):
@@ -182,7 +182,10 @@ class ReferenceSolver:
     predict = None  # the paper's breakage is in fixed steps
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
+        """Bring the joint to rest at a closure [m]; return the state reached.
+
+        Steps of breakage are ``breakage_step`` [m].
+        """
         effects = joint.effects
         sweep_to_rest = reference_kernel(
             joint.interaction_acts,

@@ -28,7 +28,7 @@ _SEAL = b"\nsha256 of all before this line: "  # before the digest at the end of
 END_DIGEST = 64  # length in bytes of the digest at the end of a sealed file
 _READ_BYTES = 1_000_000  # at a time; a memory-mapped file would count as memory of the process
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
-"""Errors that a full disk cannot cause; netCDF reports one as a denied permission, or by a
+"""Errors that a full disk cannot cause. netCDF reports a full disk as a denied permission, or by a
 number."""
 
 
@@ -142,8 +142,10 @@ def write_text(text: str, path: str | Path) -> None:
 
 
 def write(content: Any, path: str | Path) -> None:
-    """Write a dataset, table, figure, animation, mesh (points (n, 3) [m], triangles (m, 3), fields
-    (m,) by name), text or record for JSON, by its type.
+    """Write content by its type and the suffix of the path, completely or not at all.
+
+    It is a dataset (.nc), a mesh (.vtu: points (n, 3) [m], triangles (m, 3), fields (m,) by name),
+    an animation (.gif), a figure, a table, a text, or a record for JSON.
     """
     path = Path(path)
     if path.suffix == ".nc":
@@ -171,7 +173,10 @@ def write(content: Any, path: str | Path) -> None:
 
 
 def replace_files(folder: Path, command: str, files: Mapping[str, Any]) -> None:
-    """Replace the files of a command's earlier run by others, by name, if no error occurs."""
+    """Replace the files of a command's earlier run by others, which are contents by name.
+
+    If an error occurs, the earlier files stay.
+    """
     folder.mkdir(exist_ok=True)
     earlier = check_record(folder).get(command, [])
     with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
