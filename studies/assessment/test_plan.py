@@ -54,8 +54,11 @@ def test_a_larger_share_closes_more():
     assert set(few.ladder) < set(many.ladder)
 
 
-def test_no_more_joints_are_closed_than_stated_and_than_the_study_has():
+def test_no_more_joints_are_closed_than_stated():
     assert planned(study_of({"assessment": {"share": 0.99, "joints": 3}})).joints == 3
+
+
+def test_no_more_joints_are_closed_than_the_study_has():
     changes = {"study": {"realizations": 2, "pool": 1000}, "assessment": {"share": 0.99}}
     assert planned(study_of(changes)).joints == 2
 

@@ -88,7 +88,7 @@ def test_what_frozen_walls_show_of_a_joint_in_which_nothing_breaks_is_its_change
     assert pilot.lost(ALL) > pilot.closed[FEWER][0].seconds  # frozen walls take time too
 
 
-def test_a_run_with_all_effects_shows_a_lower_bound_of_the_error_of_any_elastic_joint():
+def test_a_run_with_all_effects_bounds_the_error_of_elastic_joints_from_below():
     pair = joints(32, 1)[0]
     pilot = Pilot([pair], Conditions(SPACING, DOLERITE, 3e6, 2, 0.0).checked(), 20)
     gross = pilot.values(ALL, 1)[0, list(ASSESSED).index("max_closure")]

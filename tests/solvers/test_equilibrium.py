@@ -95,7 +95,7 @@ def test_sweeps_end_at_the_solution(swept):
     np.testing.assert_allclose(forces[-1], solved.force, atol=1e-6 * solved.force.max())
 
 
-def test_contacts_before_a_rigid_one_are_closed_to_their_force_though_a_longer_step_meets_it():
+def test_contacts_before_a_rigid_one_are_closed_to_their_force():
     """One of five alone would carry the force where the rigid contact is met already."""
     compliance = np.array([1e-8] * 5 + [0.0])
     overlap = np.array([0.0] * 5 + [-0.5e-8])
