@@ -54,6 +54,14 @@ def test_a_larger_share_closes_more():
     assert set(few.ladder) < set(many.ladder)
 
 
+def test_an_effect_without_which_a_joint_takes_long_is_compared_where_the_share_allows_all():
+    few, many = (
+        {point.coordinates["variant"] for points in plan.points.values() for point in points}
+        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.1))
+    )
+    assert many - few >= {"without gouge"}
+
+
 def test_no_more_joints_are_closed_than_stated_and_than_the_study_has():
     assert planned(study_of({"assessment": {"share": 0.99, "joints": 3}})).joints == 3
     changes = {"study": {"realizations": 2, "pool": 1000}, "assessment": {"share": 0.99}}

@@ -146,6 +146,15 @@ def test_effects_that_are_not_tested_or_left_out_have_a_reason(study, joints):
         assert states.state[(rock, "without substrate")] == NEEDED
 
 
+def test_effects_are_not_left_out_together_where_one_is_off_and_the_other_was_kept(study, joints):
+    reason = "without breakage and gouge the mean closure changes by 30 %, at most 40 %: kept"
+    acting = EFFECTS["slate"]._replace(gouge=False)
+    chosen = {"effects": acting._asdict(), "cases": {"slate-base": {"reasons": [reason]}}}
+    study.attrs["effects_chosen"] = json.dumps({"slate": chosen})
+    table = assessed_table(study, joints, PLAN, EFFECTS | {"slate": acting})
+    assert LEFT_OUT not in set(table.state)
+
+
 def test_a_joint_that_failed_is_counted_and_in_no_mean(study, joints):
     joints["slate"].status[0] = 32
     row = row_of(assessed_table(study, joints, PLAN, EFFECTS), "slate", "tolerance 0.1")
@@ -228,6 +237,7 @@ def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
     axes = hardness_panel(table, titles).axes[0]
     lengths = [bar.get_width() for bar in axes.patches]
     assert lengths == pytest.approx(table.unbreakable_percent[:WORST].tolist())
+    assert axes.get_xlim()[1] >= 1.5 * max(lengths)  # words stand beside the bars
     words = [text.get_text().replace("\n", " ") for text in axes.texts]
     assert words[:2] == ["failed", "jumped over the maximum stress"]
     assert words[-1] == "no remark"

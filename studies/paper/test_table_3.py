@@ -10,6 +10,7 @@ import xarray as xr
 from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.repetitions import Design
 from jointclosure.statistics.two_level import t_interval
@@ -86,6 +87,11 @@ def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
     assert (strong.p_of_ends < 1e-6).all()
     assert (strong.unpaired_p_of_ends > 0.05).any()
     assert (strong.length < 0.3 * strong.unpaired_length.fillna(np.inf)).all()
+    for row, response in zip(
+        common.itertuples(), responses(world(study_of(ONE, COMMON)), TARGET), strict=True
+    ):
+        linear = response.interval(0.05).linear_length / PROPERTIES[row.parameter].size
+        assert row.linear_length == pytest.approx(linear)
 
 
 def test_more_than_three_levels_have_both_tests_and_a_kink_is_a_lack_of_fit():
