@@ -337,3 +337,12 @@ def test_the_first_screen_says_why_a_study_was_not_assessed(about, words):
     text, pictures = first_screen(about)
     assert words in text
     assert pictures == 1  # the joints by hardness are known anyway
+
+
+def test_effects_are_not_left_out_together_where_one_is_off_and_the_other_was_kept(study, joints):
+    reason = "without breakage and gouge the mean closure changes by 30 %, at most 40 %: kept"
+    acting = EFFECTS["slate"]._replace(gouge=False)
+    chosen = {"effects": acting._asdict(), "cases": {"slate-base": {"reasons": [reason]}}}
+    study.attrs["effects_chosen"] = json.dumps({"slate": chosen})
+    table = assessed_table(study, joints, PLAN, EFFECTS | {"slate": acting})
+    assert LEFT_OUT not in set(table.state)

@@ -9,6 +9,7 @@ import xarray as xr
 
 from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError
+from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.two_level import t_interval
 from studies.frame.cases import (
     block_settings,
@@ -18,7 +19,14 @@ from studies.frame.cases import (
     ensembles_of,
 )
 from studies.frame.keys import Accuracy
-from studies.paper.accuracy import START, Counts, next_counts, reached_table, start_counts
+from studies.paper.accuracy import (
+    START,
+    Counts,
+    _log_length,
+    next_counts,
+    reached_table,
+    start_counts,
+)
 from studies.paper.claims import TARGET
 from studies.paper.responses import responses
 from tests.studied import study_of
@@ -209,3 +217,34 @@ def test_the_finest_joints_are_the_first_of_each_case_with_all_effects():
     plain = study_of({"study": study | {"accuracy": None}})
     assert closed_keys(whole.stated)["study"].keys() == plain.stated["study"].keys() - {"accuracy"}
     assert len(blocks_of(plain)) == 1
+
+
+def test_an_interval_by_two_differences_or_without_a_root_is_not_known():
+    wish = Accuracy(within=0.5, of="interval")
+    study = slate(20, 6, elasticity=0.0)
+    without = [np.isnan(r.interval(0.05).length) for r in responses(study, TARGET)]
+    assert without == [True, False]
+    table = reached_table(study, study.isel(realization=slice(9)), wish, 0.05)
+    assert np.isinf(table.half_width_percent).tolist() == without
+    table = reached_table(slate(20), refined(slate(20), 2), wish, 0.05)
+    assert table.value.isna().all()
+    assert np.isinf(table.half_width_percent).all()
+
+
+@pytest.mark.parametrize("closures", ["scatter", "all but one alike"])
+def test_the_contribution_of_a_surface_to_a_length_is_its_change_where_the_surface_is_left_out(
+    closures,
+):
+    response = next(responses(slate(6), TARGET))
+    samples = response.samples.copy()
+    if closures != "scatter":
+        samples[0, 1:] = 0.5 * samples[0, 0]  # which have no deviation without the first
+    response = response._replace(samples=samples)
+    whole, found = _log_length(response, 0.05, 6)
+    for level, i in np.ndindex(samples.shape):
+        left = np.delete(samples[level], i)
+        means, deviations = response.means, response.deviations
+        means[level], deviations[level] = left.mean(), left.std(ddof=1)
+        about = (6, 0.05, response.base)
+        length = indifference_interval(response.levels, means, deviations, *about).length
+        assert found[level, i] == pytest.approx(5 / 6 * (whole - np.log(length)), rel=1e-6)

@@ -91,3 +91,19 @@ def test_each_cycle_has_its_own_best_surface_beside_that_of_all(both_cycles):
 def test_a_surface_that_failed_never_fits_best(both_cycles):
     table = fit_table(study(status=(16, 0, 0)), {"one": both_cycles}, SEATING)
     assert (table.best_realization[0], table.samples[0]) == (11, 2)
+
+
+def test_a_joint_that_reached_fewer_than_two_of_the_stresses_fits_no_curve():
+    cut = study()
+    cut.closure[0, 0, ..., 1:] = np.nan
+    (row,) = fit_table(cut, {"one": like(0)}, SEATING).itertuples()
+    assert (row.best_realization, row.samples) == (11, 2)
+
+
+def test_a_measured_curve_without_any_closure_has_a_misfit_and_no_percentage_of_it():
+    curve = like(0)
+    (row,) = fit_table(
+        study(), {"one": curve._replace(closure=0.0 * curve.closure)}, SEATING
+    ).itertuples()
+    assert row.misfit_mm > 0.0
+    assert np.isnan(row.misfit_percent)

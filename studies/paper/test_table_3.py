@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
@@ -12,10 +13,21 @@ from studies.frame.cases import (
     pool_of,
     wall_name,
 )
+from studies.frame.keys import Accuracy
 from studies.frame.yaml_files import PAPER_TABLE_3
 from studies.paper import closures
+from studies.paper.accuracy import reached_table
+from studies.paper.claims import TARGET
 from studies.paper.judged_claims import Evidence, judge_claims
-from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
+from studies.paper.predictive import (
+    Predictive,
+    joint_table,
+    lengths_dataset,
+    maximum_closures,
+    predictive,
+    predictive_table,
+)
+from studies.paper.responses import responses
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
 
@@ -61,6 +73,11 @@ def test_common_draws_have_the_paired_test():
     assert (strong.p_of_ends < 1e-6).all()
     assert (strong.unpaired_p_of_ends > 0.05).any()
     assert (strong.length < 0.3 * strong.unpaired_length.fillna(np.inf)).all()
+    for row, response in zip(
+        common.itertuples(), responses(world(study_of(ONE, COMMON)), TARGET), strict=True
+    ):
+        linear = response.interval(0.05).linear_length / PROPERTIES[row.parameter].size
+        assert row.linear_length == pytest.approx(linear)
 
 
 @pytest.fixture(scope="module")
@@ -134,3 +151,97 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}
+
+
+ENTRY = ("dolerite", "youngs_modulus", 1)
+
+
+def made_up(*sets, twice=(), same=()):
+    """Repetitions of one entry: lengths [Pa] of the pool and of resampled pools."""
+    given, more, again = ([{ENTRY: lengths} for lengths in x] for x in (sets, twice, same))
+    return Predictive(given, given, {ENTRY: 78e9}, {"dolerite": 40}, more, again)
+
+
+def entry_of(*sets):
+    return predictive_table(made_up(*sets), PAPER).iloc[0]
+
+
+def test_without_resampled_pools_errors_are_those_of_the_repetitions_alone():
+    lengths = 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+    lengths[:40] = np.inf
+    row = entry_of(lengths)
+    assert row.share_error == pytest.approx(np.sqrt(0.1 * 0.9 / 400))
+    assert row.p_error == pytest.approx(2.0 * np.sqrt(0.5 * row.p * (1.0 - 0.5 * row.p) / 400))
+    assert row.null_p_error == pytest.approx(np.sqrt(row.null_p * (1.0 - row.null_p) / 400))
+    assert np.isnan(row.median_pool_error)
+
+
+def test_the_error_of_a_median_by_the_pool_is_the_deviation_over_pools_and_none_if_one_has_none():
+    lengths = 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+    row = entry_of(lengths, *(factor * lengths for factor in (0.8, 1.0, 1.2)))
+    assert row.median_pool_error == pytest.approx(0.2 * row["median"])
+    endless = np.where(np.arange(400) < 300, np.inf, lengths)
+    assert np.isnan(entry_of(lengths, lengths, endless).median_pool_error)
+    assert entry_of(endless).median_error == np.inf
+
+
+def test_a_closure_without_scatter_has_no_test_of_its_entries():
+    lengths = 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+    lengths[7] = 0.0
+    joint = joint_table(made_up(lengths, same=[lengths[:200], lengths[:200]] * 2), PAPER)
+    assert joint[["log_likelihood", "p", "p_error"]].isna().all(axis=None)
+
+
+def test_the_error_of_p_by_the_repetitions_is_the_deviation_over_sets_of_as_many():
+    random = np.random.default_rng(1)
+    first, *others = 1e9 * random.lognormal(1.0, 0.5, (3, 400))
+    parts = [half for other in others for half in np.split(other, 2)]
+    p = [joint_table(made_up(lengths), PAPER).p[0] for lengths in (first, *others)]
+    table = joint_table(made_up(first, same=parts), PAPER)
+    assert table.p[0] == p[0]
+    assert table.p_error[0] == pytest.approx(np.std(p, ddof=1))
+
+
+def test_a_rock_whose_poisson_ratio_is_zero_has_lengths_and_no_percentages():
+    none = dict.fromkeys(("youngs_modulus_GPa", "compressive_strength_MPa", "jrc"))
+    cork = {"poisson_ratio": 0.0, "levels": none | {"poisson_ratio": [0.1, 0.2]}}
+    configuration = study_of(ONE, {"rocks": {"dolerite": cork}})
+    flat = {cycle: {} for cycle in (1, 2)}  # closures by no power of 0
+    closed = world(configuration, flat)
+    table = closures.indifference_table(closed, configuration.statistics, 1)
+    assert np.isfinite(table.unpaired_length).any()
+    assert table[["percent", "percent_net", "unpaired_percent"]].isna().all(axis=None)
+    found = predictive(world(pool_of(configuration), flat), Design(), 200, 1, pools=2)
+    entries = predictive_table(found, PAPER)
+    assert np.isfinite(entries["median"]).all()
+    assert entries.median_percent.isna().all()
+    assert np.isnan(lengths_dataset(found).percent).all()
+    finest = closed.isel(realization=slice(9))
+    accuracy = reached_table(closed, finest, Accuracy(within=0.5, of="interval"), 0.05)
+    assert accuracy.value.isna().all()
+    assert closures.elasticity_table(closed).elasticity.isna().all()
+
+
+def test_a_rock_of_which_one_joint_closed_or_all_by_nothing_has_a_mean_and_no_scatter():
+    closed = world(study_of(ONE))
+    lone = closed.copy(deep=True)
+    lone.status[:, 1:] = 16
+    table = closures.max_closure_table(lone)
+    assert (table.samples == 1).all()
+    name = "max_closure_mean_mm"
+    np.testing.assert_allclose(table[name][:2], 1e3 * closed.max_closure.values[0, 0])
+    assert table[[f"{name}_standard_error", "variation"]].isna().all(axis=None)
+    assert closures.correlation_table(lone).empty
+    assert (
+        closures.indifference_table(lone, study_of(ONE).statistics, 1).status
+        == "too few successful realisations"
+    ).all()
+    assert maximum_closures(lone) == []
+    lone.status[:, 1] = 0
+    assert len(maximum_closures(lone)) == 1
+    common = world(study_of(ONE, COMMON)).isel(realization=slice(1))
+    change = closures.max_closure_table(common)[["max_closure_change_mm_standard_error"]]
+    assert change.isna().all(axis=None)
+    none = closures.max_closure_table(closed.assign(max_closure=0.0 * closed.max_closure))
+    assert (none[name] == 0.0).all()
+    assert none.variation.isna().all()

@@ -30,6 +30,7 @@ from studies.paper.closures import indifference_table, max_closure_table
 from studies.paper.layout import (
     case_table,
     figure_text,
+    heading_of,
     interval_text,
     rock_table,
     table_3,
@@ -491,3 +492,21 @@ def test_lengths_are_marked_by_what_is_doubtful_of_them(status, text):
     columns = [(name, cycle) for name in PROPERTIES for cycle in (1, 2)]
     table = pd.DataFrame(columns, columns=["parameter", "cycle"]).assign(**same)
     assert set(table_3(table, {"a": "A"}).to_numpy().ravel()) == {text}
+
+
+def test_the_heading_of_a_property_has_its_symbol_and_unit_and_of_the_roughness_its_name():
+    assert heading_of("compressive_strength") == "Compressive strength σc (MPa)"
+    assert heading_of("jrc") == "Joint roughness coefficient (JRC)"
+
+
+def test_the_range_of_predicted_lengths_is_drawn_inside_its_axis(slate):
+    study, *_, lengths = slate
+    wide = lengths.copy(deep=True)
+    wide["percent"] = wide.percent * 1e6
+    paper = pd.DataFrame(columns=["rock", "parameter", "cycle", "paper_percent"])
+    figure = plotting.predictive_figure(wide, paper, study.rocks, 20)
+    lines = [line.get_data() for axes in figure.axes for line in axes.lines]
+    level = [x for x, y in lines if len(x) == 2 and y[0] == y[1]]
+    assert level
+    # up to the end of the axis, beyond which stands the share without a root
+    assert all((0.5 <= np.array(x)).all() and (np.array(x) <= 500.0).all() for x in level)

@@ -63,6 +63,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         ("", "lab.csv: has no header"),
         (HEADER + "1,0.1x,1\n", "lab.csv, line 2: closure = '0.1x': must be a finite number"),
         (HEADER + "1,0.1,1.5\n", "lab.csv, line 2: cycle = 1.5: must be a whole number"),
+        (HEADER + '"1,5",0.1,1\n', "lab.csv, line 2: stress = '1,5': must be a finite number"),
         (HEADER + "1,0.1,0\n", "lab.csv, line 2: cycle = 0: must be a whole number of at least 1"),
         ("stress_MPa,stress_Pa,closure_mm,cycle\n1,1,1,1\n", "must be the only one of stress"),
         (HEADER + "1,0,1,1\n", "line 2: '1,0,1,1' has 4 values, the header has 3"),

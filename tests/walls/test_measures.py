@@ -107,6 +107,14 @@ def test_depths_are_those_of_sorted_heights():
         assert found == pytest.approx(highest[0] - highest[cells - 1], abs=1e-18)
 
 
+def test_depths_of_several_shares_are_those_of_each_up_to_all_cells():
+    summed = sum(jc.wall_pair(8, (30, 40), 0.25e-3, 1))
+    shares = [0.0, 0.0107, 0.05, 0.5003, 1.0]
+    depths = bearing_depths(summed, shares)
+    np.testing.assert_array_equal(depths, [bearing_depths(summed, share) for share in shares])
+    assert depths[-1] == pytest.approx(np.ptp(summed))
+
+
 @pytest.mark.skipif(not MEASURED.is_file(), reason="the scanned wall is not part of the project")
 def test_the_measured_wall_has_the_roughness_that_it_was_published_with():
     scan = read_scan(MEASURED, variable="patch63_mm")
