@@ -24,8 +24,10 @@ from studies.frame.settings import (
     surface_settings,
 )
 
-BLOCK, FEW = 10, 4
-"""Realisations in a block of a requested accuracy: with the study's and the finest numerics."""
+BLOCK = 10
+"""Realisations in a block of a requested accuracy with the numerics of the study."""
+FEW = 4
+"""Realisations in a block of a requested accuracy with the finest numerics."""
 JOB_SECONDS = 300.0
 """Approximate processor time [s] of a job that simulates joints."""
 
