@@ -12,7 +12,7 @@ from jointclosure.uncertainty.variants import Variant, sources_of
 from jointclosure.walls.gridding import Cloud, Scan, filled, points_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
-from jointclosure.walls.scan_defects import inspected
+from jointclosure.walls.scan_defects import cut_rim, inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
     noise_of_points,
@@ -380,6 +380,14 @@ def test_defects_of_a_grid_are_undone_with_a_warning(damage, walls):
         assert known.mean() > 0.9
         shares.append((np.abs(same[known]) < 1e-12).mean())
     assert max(shares) > 0.985  # up to the rim of a filled hole
+
+
+@pytest.mark.parametrize("height", [-1e-3, 2e-3])
+def test_a_patch_near_an_edge_is_not_taken_for_a_raised_rim(height):
+    wall = jc.wall_pair(8.0, (44, 52), SPACING, 1, mismatch_wavelength=2e-3, roll_off=None)[0]
+    wall = np.array(wall)
+    wall[2:9, 20:28] = height
+    assert cut_rim(scan_of(wall)).heights.shape == wall.shape
 
 
 def test_blocks_of_equal_heights_are_one_height_each(walls):
