@@ -74,7 +74,7 @@ def test_the_range_of_predicted_lengths_is_drawn_inside_its_axis(slate):
     level = [x for x, y in lines if len(x) == 2 and y[0] == y[1]]
     assert level
     # up to the end of the axis, beyond which stands the share without a root
-    assert all((0.5 <= np.array(x)).all() and (np.array(x) <= 500.0).all() for x in level)
+    assert all((np.array(x) >= 0.5).all() and (np.array(x) <= 500.0).all() for x in level)
 
 
 def test_tables_1_and_2_have_every_level_and_the_file_of_a_measured_curve():
