@@ -340,6 +340,18 @@ def test_points_without_scatter_are_read_as_they_are():
     assert not errors.any()
 
 
+def test_a_log_that_ends_with_a_hold_at_its_largest_stress_is_a_loading_without_an_unloading():
+    rising = np.append(np.linspace(0.0, 1.0, 300), np.ones(60))
+    scatter = 1e-6 * np.random.default_rng(1).standard_normal(360)
+    line = np.arange(2, 362)
+    closure = 1e-4 * np.sqrt(rising) + scatter
+    curve = MeasuredCurve(10e6 * rising, closure, np.ones_like(line), line)
+    check_curve(curve, "log.csv", 0.5e6)
+    readings = readings_of_curve(curve, 0.5e6)
+    assert readings.unloaded == ()
+    assert np.isfinite(readings.values).all()
+
+
 def test_scatter_above_the_stated_closure_error_is_warned_of():
     curve = noisy_log(1)
     readings = readings_of_curve(curve, 0.5e6)

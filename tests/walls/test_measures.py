@@ -6,11 +6,13 @@ import pytest
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.randomness import generator
+from jointclosure.walls import mating as mating_module
 from jointclosure.walls.gridding import Cloud, points_of, wall_on_grid
 from jointclosure.walls.mating import mating, measured_mismatch, slope_correlations
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
 from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.scans.points import _find_axis
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from tests.joints import SPACING, TWO_WALLS, bump
 from tests.walls.test_formats import STEP_MM
@@ -105,6 +107,25 @@ def test_depths_are_those_of_sorted_heights():
     for cells in (1, 2, 12, 600, 1200):
         found = bearing_depths(upper + lower, cells / 1200)
         assert found == pytest.approx(highest[0] - highest[cells - 1], abs=1e-18)
+
+
+def test_the_interval_of_a_mismatch_wavelength_ends_where_the_likelihood_ratio_is_significant(
+    monkeypatch,
+):
+    """Of a wavelength whose logarithm has a normal likelihood: 1.96 standard deviations off."""
+    monkeypatch.setattr(mating_module, "_ring_powers", lambda *walls: ())
+    monkeypatch.setattr(
+        mating_module, "_profile_likelihood", lambda tried: -0.5 * (np.log(tried / 4e-3) / 0.2) ** 2
+    )
+    flat = np.zeros((4000, 4000))  # long beside the wavelength, which it resolves
+    ends = np.sort(measured_mismatch(flat, flat, SPACING))
+    np.testing.assert_allclose(np.log(ends / 4e-3), [-0.392, 0.0, 0.392], atol=0.02)
+
+
+def test_coordinates_of_fewer_than_three_lines_have_no_axis():
+    assert _find_axis(np.repeat([0.0, 1.0], 20), 0.1) is None
+    assert _find_axis(np.zeros(40), 0.1) is None
+    assert _find_axis(np.repeat([0.0, 1.0, 2.0], 20), 0.1).step == pytest.approx(1.0)
 
 
 def test_depths_of_several_shares_are_those_of_each_up_to_all_cells():

@@ -13,16 +13,17 @@ import jointclosure as jc
 from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
-from jointclosure.uncertainty.scanned_joint import _force_in_holes
-from jointclosure.walls import motion
+from jointclosure.uncertainty.scanned_joint import _force_in_holes, _simulated
+from jointclosure.walls import motion, registration
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
-from jointclosure.walls.outliers import remove_plateaus, remove_spikes, spikes
+from jointclosure.walls.motion import Fit, Motion
+from jointclosure.walls.outliers import patches, remove_plateaus, remove_spikes, spikes
 from jointclosure.walls.overlap import largest_rectangle
-from jointclosure.walls.registration import ORIENTATIONS, registered
+from jointclosure.walls.registration import ORIENTATIONS, _BestFit, _check_found, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.wall_files import registered_walls
-from tests.joints import SPACING, TWO_WALLS, closed
+from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "spikes": "keep"}
@@ -541,6 +542,56 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
+
+
+@pytest.mark.parametrize(("degrees", "warned"), [(4.5, False), (5.5, True)])
+def test_an_aperture_map_is_warned_of_if_it_is_inclined_by_more_than_five_degrees(degrees, warned):
+    upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
+    plane = np.tan(np.radians(degrees)) * np.indices(upper.shape)[0] * SPACING
+    found = registered(grid(2e-3 - upper - lower + plane), "flat", **AS_SCANNED)
+    text = f"Warning: the plane is inclined by {degrees} degrees, more than 5"
+    assert any(line.startswith(text) for line in found.warnings) == warned
+
+
+def test_a_fit_of_slopes_at_which_heights_have_no_position_is_refused():
+    middle, fits = np.zeros(3), [Fit("rotated", 0.9, 10.0, np.zeros(2))]
+    mated = Motion(np.eye(3), np.eye(3), middle, middle, np.full((3, 3), np.nan))
+    with pytest.raises(jc.InputError, match=r"ambiguous: slopes correlate by rotated 0.90 at 10 d"):
+        _check_found(_BestFit("rotated", fits, mated))
+    _check_found(_BestFit("rotated", fits, mated._replace(covariance=np.eye(3))))
+
+
+def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
+    with pytest.raises(jc.InputError, match=r"^upper and lower: the same scan was given twice"):
+        registered_walls(grid(walls[0]), grid(walls[0]), {}, SPACING)
+
+
+def test_holes_that_were_filled_do_not_count_in_the_slopes_that_a_wall_lost(walls, monkeypatch):
+    compared = []
+    monkeypatch.setattr(
+        registration.plausibility, "smoothing_of", lambda cloud, wall, *more: compared.append(wall)
+    )
+    monkeypatch.setattr(registration, "_with_side", lambda side, remarks: [])
+    upper = 0.6e-3 - walls[0]
+    upper[10:13, 10:13] = np.nan
+    pair = registered(grid(upper), grid(walls[1]), **AS_SCANNED)
+    np.testing.assert_array_equal(np.isnan(compared[0]), pair.holes)
+    assert not np.isnan(compared[1]).any()
+
+
+def test_a_joint_without_holes_has_no_remark_about_their_force(walls):
+    pair = registered(grid(0.6e-3 - walls[0]), grid(walls[1]), **AS_SCANNED)
+    conditions = jc.Conditions(pair.spacing, DOLERITE, 1e6, 1, 0.1e6).checked()
+    history, remarks = _simulated(pair, conditions, (), None)
+    assert remarks == []
+    assert "snapshot_stress" not in history
+
+
+@pytest.mark.parametrize(("gap", "count"), [(3.0, 1), (12.0, 2)])
+def test_points_apart_by_many_times_their_distance_are_patches(gap, count):
+    x, y = (part.ravel() for part in np.meshgrid(np.arange(20.0), np.arange(10.0)))
+    x = np.where(x < 10.0, x, x + gap - 1.0)
+    assert len(np.unique(patches(SPACING * np.column_stack([x, y])))) == count
 
 
 @pytest.fixture(scope="module")
