@@ -28,13 +28,13 @@ from studies.paper.accuracy import START, Counts, next_counts, reached_table
 WITHIN, MOST = (0.02, 0.05, 0.1, 0.2), 100
 NUMERICS = jc.Numerics(), FINEST
 CHEAPER = 5
-"""Surfaces of the truth that are closed by the paper's steps, over those closed by the finest."""
+"""Surfaces of the truth that are simulated by the paper's steps, over those by the finest."""
 NORMAL = 1.96
-"""Half of a 95 % interval over the standard error, where the deviation is known."""
+"""Half of a 95 % interval over the standard error, if the standard deviation is known."""
 
 
 class Joints:
-    """Surfaces of a condition, closed at most once by the paper's steps and by the finest."""
+    """Joints of a condition, each simulated at most once by the paper's steps and by the finest."""
 
     def __init__(self, asked, number: int, kind: str):
         conditions, self.walls = scene(asked.seed, number, asked.cells)
@@ -44,7 +44,7 @@ class Joints:
         self.rows: tuple[list[Row], list[Row]] = [], []
 
     def closed(self, counts: Counts) -> list[xr.Dataset]:
-        """Return the first surfaces by both numerics, as those of a study with one case."""
+        """Return datasets, as of a study with one case, of the first joints by both numerics."""
         levels = []
         for rows, reading, count in zip(self.rows, self.readings, counts, strict=True):
             for surface in range(len(rows), count):
@@ -59,10 +59,11 @@ class Joints:
 
 
 def cheapest_seconds(within: float, seconds: list[float], known: list[np.ndarray]) -> float:
-    """Return the smallest time [s] that meets a request for all means; infinite if none does.
+    """Return the shortest time [s] in which a request for all means is met; infinite if none.
 
-    ``known`` are, of each mean and over it, the bias of the paper's steps, and deviations of joints
-    by the paper's steps, of differences and of joints by the finest numerics.
+    ``seconds`` are those of a joint by both numerics. ``known`` has four arrays over the means, all
+    relative to them: the bias of the paper's steps, and the standard deviations of joints by the
+    paper's steps, of differences, and of joints by the finest numerics.
     """
     bias, cheap, difference, fine = known
     squares = (within / NORMAL) ** 2
@@ -80,9 +81,9 @@ def cheapest_seconds(within: float, seconds: list[float], known: list[np.ndarray
 
 
 def known_afterwards(parts: list[list[xr.Dataset]]) -> tuple[list[float], list[np.ndarray]]:
-    """Return seconds of a joint by both numerics, and what `cheapest_seconds` needs of all means.
+    """Return the arguments ``seconds`` and ``known`` of `cheapest_seconds`.
 
-    ``parts`` are groups of surfaces, of which the first are closed by both.
+    ``parts`` are groups of joints by both numerics; the first surfaces of a group have both.
     """
     groups = [xr.concat(level, "realization") for level in zip(*parts, strict=True)]
     seconds = [float(group.timing_simulation.mean()) for group in groups]
@@ -97,7 +98,7 @@ def known_afterwards(parts: list[list[xr.Dataset]]) -> tuple[list[float], list[n
 
 
 def judged(number: int, asked) -> tuple[list[dict]]:
-    """Run all requests at a condition; one row per request, closure and cycle."""
+    """Run all requests at a condition; return a row for each request, closure and cycle."""
     own, truth = (Joints(asked, number, kind) for kind in ("walls", "truth"))
     whole = truth.closed(Counts(CHEAPER * asked.surfaces, asked.surfaces))
     true = reached_table(*whole, Accuracy(within=WITHIN[0]), 0.05)
@@ -120,7 +121,7 @@ def judged(number: int, asked) -> tuple[list[dict]]:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Summarise by request."""
+    """Summarise the results of `judged` by request."""
     apart = (table.value - table.truth).abs() / table.truth
     room = table.truth_error / table.truth
     table = table.assign(apart=apart, room=room)

@@ -33,22 +33,24 @@ from jointclosure.joint.history import history_of
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of
-from jointclosure.storage.files import write, write_csv
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.folders import write
 from studies.frame.settings import walls_of
 
 BRANCHES = ("loading", "unloading", "reloading")
 LEVELS = np.array([0.05, 0.1, 0.25, 0.5, 0.75, 1.0])
 """Stresses of every branch over the largest; among them half of it."""
 PENETRATION, ITERATIONS = 1e-8, 5000
-"""Of cells in contact at which ContactMechanics may stop [m], and its most iterations."""
+"""Penetration [m] of cells in contact up to which ContactMechanics may stop, and its most
+iterations."""
 RESULTS = Path(__file__).parents[1] / "results/continuum"
 
 
 class Stresses(NamedTuple):
-    """Stresses [Pa] of every branch of a joint, rising, and places among them.
+    """Ascending stresses [Pa] of every branch of a joint, and places among them.
 
-    ``levels`` are the places of `LEVELS`, ``half`` is that of half of the largest stress, ``end``
-    that to which the stiffness of loading is read.
+    ``levels`` are the places of `LEVELS`, and ``half`` is that of half of the largest stress. The
+    stiffness of loading is read up to the place ``end``.
     """
 
     all: np.ndarray
@@ -58,7 +60,7 @@ class Stresses(NamedTuple):
 
 
 def stresses_of(largest: float, landing: float) -> Stresses:
-    """`LEVELS` of a largest stress [Pa], and that from which a joint lands on it, if it does."""
+    """Return `LEVELS` of a largest stress [Pa], with the stress from which a joint lands on it."""
     levels = LEVELS * largest
     end = min(landing, largest)
     every = np.unique(np.append(levels, end))
@@ -66,8 +68,8 @@ def stresses_of(largest: float, landing: float) -> Stresses:
     return Stresses(every, np.searchsorted(every, levels), int(half), int(last))
 
 
-class History(NamedTuple):
-    """Closures [m] and shares of the cells in contact over (branch, level), and what stays [m].
+class PressedJoint(NamedTuple):
+    """Closures [m] and shares of cells in contact over (branch, stress), and residual closure [m].
 
     Closures count from first touch of the pristine walls.
     """
@@ -78,7 +80,7 @@ class History(NamedTuple):
 
 
 def hardnesses(rock) -> dict[str, float]:
-    """Hardnesses [Pa] of a rock by name: the mean Hertz pressure at breakage, and Tabor's."""
+    """Return hardnesses [Pa] of a rock: the mean Hertz pressure at breakage, and Tabor's."""
     strength = rock.compressive_strength
     return {
         "at breakage": 2.0 / 3.0 * strength / strength_factor(rock.poisson_ratio),
@@ -86,22 +88,22 @@ def hardnesses(rock) -> dict[str, float]:
     }
 
 
-def asperity_model(walls, effects, stresses: np.ndarray) -> History:
-    """Our model."""
+def asperity_model(walls, effects, stresses: np.ndarray) -> PressedJoint:
+    """Press two walls (y, x) [m] by our model at ascending stresses [Pa]."""
     history = close(walls, effects, stresses[-1], cycles=2)
     stresses = np.minimum(stresses, float(history.normal_stress.max()))  # breakage may jump over it
     read = [closures_at(history, stresses, of) for of in ("closure", "contact_fraction")]
     # loading, unloading of the first cycle, loading of the second
     curves, shares = (np.array([each[0, 0], each[0, 1], each[1, 0]]) for each in read)
-    return History(curves, shares, float(history.residual_closure[0]))
+    return PressedJoint(curves, shares, float(history.residual_closure[0]))
 
 
-def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> History:
-    """The history of a continuum code.
+def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> PressedJoint:
+    """Press a joint by a continuum code with a hardness at ascending stresses [Pa] of all branches.
 
-    ``press(stress)`` gives closure [m] and pressures (y, x) [Pa] at the next stress [Pa];
-    ``left()`` the closure [m] at which the walls as they are touch last. Under a hardness the
-    largest stress is met again in the state in which it was left, which is not asked for again.
+    ``press(stress)`` returns closure [m] and pressures (y, x) [Pa] at the next stress [Pa], and
+    ``left()`` the closure [m] at which the deformed walls touch last. The state at the largest
+    stress is the same on all branches, and not computed again.
     """
     shape = (len(BRANCHES), stresses.size)
     closure = np.zeros(shape)
@@ -117,11 +119,11 @@ def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> H
                 continue
             closure[branch, level], pressure = press(stresses[level])
             contact[branch, level] = np.mean(pressure > 0.0)
-    return History(closure, contact, residual)
+    return PressedJoint(closure, contact, residual)
 
 
-def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
-    """A code of `peers.py`: one curve for all branches."""
+def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> PressedJoint:
+    """Press a gap (y, x) [m] by an elastic code of `peers.py`, whose branches are all the same."""
     solve = set_up(gap)
     guess = np.ones_like(gap)
     curves = []
@@ -129,11 +131,11 @@ def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
         closure, guess, _ = solve(stress, guess * (stress / guess.mean()), 1e-6, np.ptp(gap))
         curves.append((closure, np.mean(guess > 0.0)))
     closure, contact = (np.tile(each, (len(BRANCHES), 1)) for each in np.transpose(curves))
-    return History(closure, contact, 0.0)
+    return PressedJoint(closure, contact, 0.0)
 
 
 def plastic(gap: np.ndarray, hardness: float):
-    """``press`` and ``left`` of `along` by ContactMechanics, from rest at each stress."""
+    """Return ``press`` and ``left`` of `along` for ContactMechanics with a hardness [Pa]."""
     from ContactMechanics import FreeFFTElasticHalfSpace
     from ContactMechanics.Factory import make_plastic_system
     from SurfaceTopography import PlasticTopography, Topography
@@ -158,7 +160,7 @@ def plastic(gap: np.ndarray, hardness: float):
 
 
 def models() -> dict[str, Callable]:
-    """All models by name: a history of two walls at stresses (level,) [Pa]."""
+    """Return functions by name of the model, which press two walls at stresses (level,) [Pa]."""
 
     def gap_of(walls):
         summed = walls[0] + walls[1]
@@ -182,18 +184,18 @@ def models() -> dict[str, Callable]:
     return found
 
 
-def closed(name: str, history_of: Callable, walls, stresses: np.ndarray) -> History:
-    """A model's history of two walls; NaN, and a line, where a code finds no equilibrium."""
+def closed(name: str, simulate_pair: Callable, walls, stresses: np.ndarray) -> PressedJoint:
+    """Press two walls by a model; if it finds no equilibrium, print this and return NaN."""
     try:
-        return history_of(walls, stresses)
+        return simulate_pair(walls, stresses)
     except RuntimeError as error:
         print(f"{name}: a realisation is left out ({error})", flush=True)
         nothing = np.full((len(BRANCHES), stresses.size), np.nan)
-        return History(nothing, nothing, np.nan)
+        return PressedJoint(nothing, nothing, np.nan)
 
 
-def readings(history: History, stresses: Stresses) -> dict[str, float]:
-    """What is compared, in micrometres, percent and MPa/mm."""
+def readings(history: PressedJoint, stresses: Stresses) -> dict[str, float]:
+    """Return the readings that are compared, in mm, percent, MPa/mm and MPa."""
     half = stresses.half
     top = stresses.all.size - 1
     chords = {
@@ -215,13 +217,13 @@ def readings(history: History, stresses: Stresses) -> dict[str, float]:
 
 
 def _chord(closure: np.ndarray, stresses: np.ndarray, low: int, high: int) -> float:
-    """Stiffness [Pa/m] between two places along a branch; NaN where the second is not higher."""
+    """Return the stiffness [Pa/m] between two places; NaN if the second is not higher."""
     rise = stresses[high] - stresses[low]
     return float(rise / (closure[high] - closure[low])) if high > low else np.nan
 
 
-def table_of(histories: dict[str, list[History]], stresses: list[Stresses]) -> pd.DataFrame:
-    """Means with errors, and ratios to the first model's by pairs of the same walls."""
+def table_of(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> pd.DataFrame:
+    """Tabulate means with errors, and mean ratios to the first model on the same walls."""
     read = {
         name: pd.DataFrame(
             [readings(each, there) for each, there in zip(own, stresses, strict=True)]
@@ -244,12 +246,12 @@ def table_of(histories: dict[str, list[History]], stresses: list[Stresses]) -> p
 
 
 NOT_DRAWN = ("tamaas", "aspher")
-"""In names of models: they lie on another line."""
+"""Words in names of models that are not drawn, as their lines lie on another one."""
 
 
 @styled
-def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresses]) -> Figure:
-    """Stress and contact against closure, means over realisations; bars are standard errors."""
+def continuum_figure(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> Figure:
+    """Draw stress over closure, and contact over stress: means with standard errors as bars."""
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 5.2), layout="constrained")
     shown = [name for name in histories if not any(word in name for word in NOT_DRAWN)]
     levels = [each.levels for each in stresses]

@@ -47,18 +47,18 @@ from jointclosure.walls import Walls
 SPACING, TOLERANCES, JOINTS = 0.25e-3, (0.05, 0.2), (20, 180, 540)
 ALL, FEWER = jc.Effects(), jc.Effects(interaction=False)
 MATED = 1.0 / 3.0
-"""Share of conditions whose walls have their longer waves in common."""
+"""Share of conditions whose walls mate beyond a wavelength."""
 BEYOND = 2.0
-"""Standard errors from which a change is true."""
+"""Number of standard errors beyond which a change is true."""
 MOST = 100
-"""Surfaces that are closed at most to decide whether interaction matters."""
+"""Largest number of surfaces that are simulated to decide whether interaction matters."""
 UNLIMITED = 1e9
-"""Breakage steps after which no joint is given up, over those with all effects."""
+"""Breakage steps over those with all effects, beyond which a joint is given up: no joint is."""
 CLOSURES = [list(ASSESSED).index(name) for name in JUDGED]
 
 
 def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[Conditions, dict]:
-    """Draw conditions, and arguments of `wall_pair`."""
+    """Draw the conditions of a scene, and the arguments of `wall_pair`; ``cells`` are bounds."""
     random = generator(seed_of(seed, "conditions", number))
     modulus, strength = (
         np.exp(random.uniform(*np.log(ends))) for ends in ((5e9, 80e9), (20e6, 250e6))
@@ -75,7 +75,7 @@ def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[Conditions, d
 
 
 class Surfaces(Pilot):
-    """Pilot of new surfaces of a scene; those of a ``kind`` are closed once for all pilots."""
+    """Pilot on new surfaces of a scene; copies of it share the joints that were simulated."""
 
     def __init__(self, asked, number: int, kind: str, count: int):
         conditions, walls = scene(asked.seed, number, asked.cells)
@@ -85,7 +85,7 @@ class Surfaces(Pilot):
         self.known: dict[tuple, SimulatedJoint] = {}
 
     def for_joints(self, joints: int) -> "Surfaces":
-        """Return a pilot for a number of joints that has closed nothing yet."""
+        """Return a copy of the pilot for a number of joints, without its selected results."""
         pilot = copy.copy(self)
         pilot.joints = joints
         pilot.closed = {}
@@ -93,7 +93,7 @@ class Surfaces(Pilot):
         return pilot
 
     def close(self, walls: Walls, effects: jc.Effects, **changes: Any) -> SimulatedJoint:
-        """Close a pair of walls, or return what it gave to a former pilot."""
+        """Close a pair of walls, or return the joint that a former pilot simulated."""
         key = walls[0].tobytes(), effects, *changes.items()
         if key not in self.known:
             self.known[key] = super().close(walls, effects, **changes)
@@ -105,8 +105,8 @@ def true_change(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean change (quantity, cycle) with some effects, and its standard error.
 
-    Without interaction alone, surfaces are added until all tolerances are decided. A scene in which
-    the first joint is given up cannot be selected: its change is infinite.
+    For all effects except interaction, surfaces are added until the change is decided against all
+    tolerances. A scene whose first joint is given up cannot be selected: its change is infinite.
     """
     for count in (1, *range(surfaces, MOST + 1, surfaces)):
         truth.longer = LONGER if count == 1 else UNLIMITED
@@ -126,7 +126,7 @@ def true_change(
 
 
 def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dict]]:
-    """Judge the selections at a scene, and compare frozen walls with the true change."""
+    """Return rows of the selections at a scene, and of frozen walls beside the true change."""
     truth = Surfaces(asked, number, "walls", MOST)
     pilots = Surfaces(asked, number, "pilot", MOST_PAIRS)
     scenes = possible_scenes(ALL)
@@ -147,7 +147,7 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
             true = np.abs(mean[choice.effects])
             significant = true > BEYOND * error[chosen]
             best = min(time for effects, time in times.items() if beyond[effects] <= tolerance)
-            # what is lost is measured beside the joints of the same pilot
+            # the lost time is relative to that of joints of the same pilot
             lost = choice.lost_seconds / pilot.seconds(ALL) / joints
             row = {"joints": joints, "tolerance": tolerance, "chosen": scene_name(chosen)}
             row |= {"true": true[CLOSURES].max(), "least": beyond[chosen], "stated": choice.error}
@@ -199,7 +199,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def scatter(table: pd.DataFrame) -> pd.DataFrame:
-    """Estimate the likeliest scatter of true changes about frozen walls, as in `PRIORS`."""
+    """Estimate the likeliest scatter of true changes about those of frozen walls, as `PRIORS`."""
     rows = []
     for quantity, part in table.dropna().groupby("quantity"):
         part = part[part.error > 0.0]
@@ -234,7 +234,11 @@ def options(about: str, name: str, scenes: int) -> argparse.Namespace:
 
 
 def continued(asked: argparse.Namespace, judged: Callable, names: list[str]) -> list[pd.DataFrame]:
-    """Judge the conditions that the tables of a folder lack; return and write the tables."""
+    """Judge the conditions that are missing in the tables of the output; return and write these.
+
+    ``judged`` returns rows for each of the tables ``names``, from a number of a condition and the
+    options.
+    """
     files = [asked.output / f"{name}.csv" for name in names]
     tables = [read_csv(file) if file.exists() else pd.DataFrame({"scene": []}) for file in files]
     for number in range(asked.scenes):
@@ -247,7 +251,7 @@ def continued(asked: argparse.Namespace, judged: Callable, names: list[str]) -> 
 
 
 def write_summary(table: pd.DataFrame, asked: argparse.Namespace) -> None:
-    """Write a summary, and where it comes from."""
+    """Write a summary and its origin, and print it."""
     write_csv(table, asked.output / "summary.csv")
     cells = "{} {}".format(*asked.cells)
     note = (

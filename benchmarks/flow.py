@@ -27,12 +27,12 @@ SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")
 
 
 def ours(gap: np.ndarray) -> float:
-    """Return the flux of jointclosure."""
+    """Return the flux [1] through a gap (y, x) by jointclosure."""
     return flow_along(gap, "y", "periodic").hydraulic_aperture ** 3
 
 
 def theirs(gap: np.ndarray, solver: str) -> float:
-    """Return the flux of reynoldsflow: its outflow per cell of the last row."""
+    """Return the flux [1] through a gap (y, x) by reynoldsflow: mean outflow of the last row."""
     from reynoldsflow import transport
 
     _, _, flux = transport.solve_fluid_problem(gap, solver=solver)
@@ -40,7 +40,7 @@ def theirs(gap: np.ndarray, solver: str) -> float:
 
 
 def codes() -> dict[str, Callable[[np.ndarray], float]]:
-    """Return the codes that are installed here, by name; names those that are left out."""
+    """Return functions of the codes that are installed, by name; print those that are not."""
     runs = {"jointclosure": ours}
     for solver in SOLVERS:
         run = partial(theirs, solver=solver)

@@ -47,18 +47,18 @@ TITLES = {
 
 
 def abscissa(axis: str, values) -> np.ndarray:
-    """What a value is drawn and fitted at: itself, or the number of cells of a square grid."""
+    """Return the abscissa of values: the values, or the numbers of cells of square grids."""
     return np.asarray(values, dtype=float) ** (2 if axis == "cells" else 1)
 
 
 def one_joint(scene, seed: int, cells: int, stress_mpa: float, jrc: float, roll_off=None):
-    """A function that closes a joint."""
+    """Return a function that simulates a joint."""
     walls = jc.wall_pair(jrc, (cells, cells), yardstick.SPACING, seed, roll_off=roll_off)
     return lambda: yardstick.close(walls, yardstick.SCENES[scene], 1e6 * stress_mpa)
 
 
 def case_of(scene: str, seed: int, realisations: int):
-    """A function that makes and closes a number of realisations."""
+    """Return a function that makes the walls of some realisations and simulates them."""
     settings = yardstick.case_settings(
         realisations, BASE["cells"], 1e6 * BASE["stress_mpa"], yardstick.SCENES[scene],
         cycles=1, root_seed=seed,
@@ -70,7 +70,7 @@ def case_of(scene: str, seed: int, realisations: int):
 
 
 def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:
-    """Seconds, and peak memory [MB] of this process, for one point of an axis."""
+    """Return processor time [s] and peak memory [MB] of this process for one point of an axis."""
     yardstick.warm_up("fast")
     if axis == "realisations":
         run = case_of(scene, seed, int(value))
@@ -82,7 +82,7 @@ def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float,
 
 
 def closed_once(scene: str, cells: int, roll_off: float | None) -> tuple[float, float, float]:
-    """Seconds, peak memory [MB] and maximum closure [mm] of one joint, closed once."""
+    """Return processor time [s], peak memory [MB] and maximum closure [mm] of one joint."""
     yardstick.warm_up("fast")
     seconds, closed = yardstick.timed(
         one_joint(scene, 0, **BASE | {"cells": cells}, roll_off=roll_off)
@@ -102,7 +102,10 @@ def once(cells: int, output: Path | None) -> None:
 
 
 def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
-    """Times and memory along one axis, one row a surface."""
+    """Return times [ms] and memory [MB] along one axis, a row for each surface.
+
+    Grids whose expected time exceeds ``limit`` [s] are left out.
+    """
     rows = []
     medians = []
     for value in VALUES[axis]:
@@ -125,7 +128,7 @@ def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
 
 
 def fit_of(x: np.ndarray, ms: np.ndarray, at: np.ndarray) -> dict[str, np.ndarray]:
-    """Times at places ``at`` by a parabola in logarithms, its slope there, and both uncertainties.
+    """Fit a parabola in logarithms to times; return times and slopes ``at`` places, with errors.
 
     ``low`` and ``high`` are the ends of the interval that holds 95 % of single surfaces.
     """
@@ -150,7 +153,7 @@ def fit_of(x: np.ndarray, ms: np.ndarray, at: np.ndarray) -> dict[str, np.ndarra
 
 
 def summarised(closed: pd.DataFrame) -> pd.DataFrame:
-    """Medians of all surfaces at each point, and the fit of each curve, in columns."""
+    """Tabulate medians over the surfaces at each point, and the fit (`fit_of`) of each curve."""
     parts = []
     for (axis, scene), part in closed.groupby(["axis", "scene"], sort=False):
         rows = []
@@ -167,7 +170,7 @@ def summarised(closed: pd.DataFrame) -> pd.DataFrame:
 
 
 def draw(axes, axis: str, table: pd.DataFrame) -> None:
-    """Time against one of the four, with the curves, their interval and the memory."""
+    """Draw time over one axis, with fitted curves, their intervals and the memory."""
     title, label = TITLES[axis]
     for k, scene in enumerate(yardstick.SCENES):
         part = table[(table.axis == axis) & (table.scene == scene)]
@@ -196,7 +199,7 @@ def draw(axes, axis: str, table: pd.DataFrame) -> None:
 
 @styled
 def figure_of(table: pd.DataFrame):
-    """Time against each of the four, and what is the same in all."""
+    """Draw time over each of the four axes."""
     figure, panels = subplots(2, 2, figsize=(9.0, 7.0))
     for axes, axis in zip(panels.flat, TITLES, strict=True):
         draw(axes, axis, table)
@@ -211,7 +214,7 @@ def figure_of(table: pd.DataFrame):
 
 
 def main(surfaces: int, limit: float, output: Path | None) -> None:
-    """Print machine and times; write them, and the figure."""
+    """Print machine and times; write times and figure to a folder, if one is given."""
     print(yardstick.machine(), flush=True)
     yardstick.warm_up("fast")
     rows = []

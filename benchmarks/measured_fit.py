@@ -13,25 +13,25 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL
 from jointclosure.storage.files import write_csv
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 OUTPUT = Path(__file__).parents[1] / "build/benchmarks"
 SPACING, JRC, SURFACES, CELLS = 0.25e-3, 8.0, 12, 64
 KNOWN = (1e-3, 2e-3, 4e-3, np.inf)
 FIRST_SEED, REPEATS = 1000, 10
-PAPER = jc.Choices(strength_bound="none")  # by which the stored results were made
+PAPER = jc.Choices(strength_bound="none")  # the choices of the stored results
 GRANITE = jc.Conditions(
     SPACING, named_rock("granite"), 10e6, choices=PAPER, numerics=RESOLVED
 ).checked()
 
 
 def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
-    """Close a joint of the model: its net closures since seating as a measured curve."""
+    """Simulate a joint; return its net closures since seating as a measured curve."""
     walls = {"mismatch_wavelength": None if np.isinf(wavelength) else wavelength, "roll_off": None}
     pair = jc.wall_pair(JRC, (CELLS, CELLS), SPACING, seed, **walls)
     joint = jc.simulate(*pair, conditions=GRANITE)
@@ -45,7 +45,7 @@ def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
 
 
 def known_wavelengths() -> pd.DataFrame:
-    """Fit joints of known wavelength, all compared with the same simulated joints."""
+    """Fit joints of known wavelength, all by comparison with the same simulated joints."""
     rows = []
     joints = None
     for wavelength in KNOWN:
@@ -64,7 +64,7 @@ def known_wavelengths() -> pd.DataFrame:
 
 
 def summary_of(known: pd.DataFrame) -> pd.DataFrame:
-    """Count the intervals that contain the wavelength, and take the median estimate, by it."""
+    """Tabulate by known wavelength the intervals that contain it, and the median estimate."""
     groups = known.groupby("known_mm")
     return groups.agg(
         fits=("seed", "size"), contain=("contains", "sum"), median_mm=("wavelength_mm", "median"),

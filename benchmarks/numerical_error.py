@@ -25,23 +25,23 @@ from effects_auto import SPACING, scene
 
 import jointclosure as jc
 from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.numerical_error import NOT_STABLE, numerical_error, scatter_of
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.uncertainty.variants import COPIES, coarser
 
 TRUE = 0.125
-"""Tolerance of the true closure, over that of `close`."""
+"""Tolerance by which the true closure is simulated, over that of `close`."""
 SETTINGS = [(1.0, "as it is"), *((2.0, name) for name in ("as it is", "last digits", "mirrored"))]
 QUANTITIES = {"max_closure_seated_net": "net closure", "stiffness_net": "net stiffness"}
 READ = (*QUANTITIES, "contacts_at_max", "status", "timing_simulation")
 
 
 def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
-    """Close a joint by all settings; rows are by setting and cycle, none if it is refused."""
+    """Simulate a joint by all settings; return rows by setting and cycle, none if one fails."""
     conditions, walls = scene(seed, number, cells)
     conditions = conditions._replace(choices=jc.Choices(strength_bound="base"))
     pair = jc.wall_pair(spacing=SPACING, seed=seed_of(seed, "numerical error", number), **walls)
@@ -66,7 +66,7 @@ def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
 
 
 def compared(joints: pd.DataFrame) -> pd.DataFrame:
-    """Return the stated and the true error of each joint, cycle and quantity."""
+    """Return the stated and the true relative error of each joint, cycle and quantity."""
     rows = []
     for (number, cycle), joint in joints.groupby(["joint", "cycle"]):
         by_setting = joint.set_index(["tolerance", "copy"])
@@ -87,7 +87,7 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
 
 
 def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
-    """Return how many true errors lie within the stated ones, and how large these are."""
+    """Count the true errors within the stated ones by quantity and cycle, with medians of both."""
     errors = errors.assign(inside=errors.true <= errors.stated, over=errors.stated / errors.true)
     by_result = errors.groupby(["quantity", "cycle"])
     table = by_result.agg(

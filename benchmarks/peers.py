@@ -41,7 +41,7 @@ TOLERANCE = 1e-6
 
 
 def love_table() -> np.ndarray:
-    """Displacements by a unit pressure on one cell [m/Pa], by distance, wrapped (Love 1929)."""
+    """Return displacements [m/Pa] by pressure on one cell, over wrapped distance (Love 1929)."""
     at = np.roll(np.arange(-CELLS, CELLS), CELLS) * SPACING
     table = np.zeros(PADDED)
     for i, j in itertools.product((-1, 1), repeat=2):
@@ -56,18 +56,22 @@ SPECTRUM = scipy.fft.rfft2(TABLE, workers=1)
 
 
 def displacement(pressure: np.ndarray) -> np.ndarray:
-    """Displacements (y, x) [m] of the half-space by pressures (y, x) [Pa]."""
+    """Return displacements (y, x) [m] of the half-space by pressures (y, x) [Pa]."""
     wave = scipy.fft.rfft2(pressure, PADDED, workers=1) * SPECTRUM
     return scipy.fft.irfft2(wave, PADDED, workers=1)[:CELLS, :CELLS]
 
 
-# A peer is set up for a gap (y, x) [m], 0 at first touch, and gives solve(stress, guess, tolerance,
-# closure): the closure [m], the pressures (y, x) [Pa] and the products with the half-space (or
-# None). The guess has the stress as its mean; tolerances can be relative to the closure given.
+# A peer is set up for a gap (y, x) [m], which is 0 at first touch. It returns a function
+# solve(stress, guess, tolerance, closure), which returns the closure [m], the pressures (y, x) [Pa]
+# and the number of products with the half-space (or None). The mean of the guess (y, x) [Pa] is the
+# stress. The given closure is the solution, to which tolerances may be relative.
 
 
 def polonsky_keer(product, gap, load, pressure, tolerance):
-    """Polonsky & Keer (1999), by the text: conjugate gradients in the contacts at given load."""
+    """Solve by Polonsky & Keer (1999): conjugate gradients in the contacts at given load.
+
+    ``product`` returns displacements by pressures. Returns closure, pressures and products.
+    """
     direction = np.zeros_like(gap)
     keep = 0.0
     before = 1.0
@@ -93,7 +97,7 @@ def polonsky_keer(product, gap, load, pressure, tolerance):
 
 
 def own(gap):
-    """The algorithm with transforms of the whole surface, as in the peers."""
+    """Set up `polonsky_keer` with transforms of the whole surface, as in the peers."""
 
     def solve(stress, guess, tolerance, _):
         return polonsky_keer(displacement, gap, stress * gap.size, guess, tolerance)
@@ -102,8 +106,10 @@ def own(gap):
 
 
 def own_dense(gap):
-    """The same with the matrix of the cells that overlap at the closure it is given, or at any that
-    is larger: no other cell can touch."""
+    """Set up `polonsky_keer` with the matrix of the cells that overlap at the given closure.
+
+    This closure is at least the solution, so that no other cell can touch.
+    """
 
     def solve(stress, guess, tolerance, closure):
         y, x = cells = np.nonzero(gap <= closure)
@@ -118,8 +124,11 @@ def own_dense(gap):
 
 
 def contact_mechanics(gap):
-    """The dual problem (forces) by NuMPI's conjugate gradients with restart, which also take a
-    load; `minimize_proxy` takes twice as long, `dual_minimize_proxy` is for given closures."""
+    """Set up ContactMechanics: its dual problem (forces), by conjugate gradients with restart.
+
+    NuMPI's solver takes a load. `minimize_proxy` takes twice as long, and `dual_minimize_proxy` is
+    for given closures.
+    """
     from ContactMechanics import FreeFFTElasticHalfSpace
     from ContactMechanics.Systems import NonSmoothContactSystem
     from NuMPI.Optimization.CCGWithRestart import constrained_conjugate_gradients_with_restart
@@ -144,8 +153,11 @@ def contact_mechanics(gap):
 
 
 def tamaas(gap):
-    """Polonsky-Keer-Rey in the pressures. The moduli are to be set before the non-periodic
-    operator is registered, which has to be chosen; its displacements come back shifted."""
+    """Set up tamaas: Polonsky-Keer-Rey in the pressures.
+
+    The moduli must be set before the non-periodic operator is registered, and this operator must be
+    selected. The solver returns shifted displacements, so that they are computed again.
+    """
     import tamaas as tm
 
     tm.set_log_level(tm.LogLevel.error)
@@ -169,8 +181,11 @@ def tamaas(gap):
 
 
 def slippy(gap):
-    """`bccg`, conjugate gradients with bounds, which is given the closures (those of our own
-    solution) instead of the stresses. `polonsky_and_keer`, for given loads, takes twice as long."""
+    """Set up slippy: `bccg`, conjugate gradients with bounds.
+
+    It takes closures (those of our own solution) instead of stresses. `polonsky_and_keer`, which
+    takes loads, needs twice as long.
+    """
     import slippy
 
     slippy.CUDA = False
@@ -200,8 +215,11 @@ def slippy(gap):
 
 
 def aspher(gap):
-    """Its exact transforms ("h2" asks for a power of two) and its preconditioner on the contacts;
-    the tolerance is relative to the range of the heights, here made relative to the closure."""
+    """Set up aspher: its exact transforms and its preconditioner on the contacts.
+
+    Its other backend, "h2", needs a power of two. Its tolerance is relative to the range of
+    heights, and is converted from one relative to the closure.
+    """
     import aspher as hc
 
     solver = hc.ContactSolver(CELLS, domain_size=SIDE, E_star=MODULUS, backend="fft")
@@ -226,7 +244,10 @@ GIVEN_CLOSURES = ("own, by matrix", "slippy")
 
 
 def curve(solve, gap, tolerance, given) -> tuple:
-    """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``given`` are given closures."""
+    """Return closures (20,) [m], pressures (20, y, x) [Pa] and products at all `STRESSES`.
+
+    ``given`` are the closures that `solve` takes.
+    """
     pressure = np.ones_like(gap)
     answers = []
     for stress, closure in zip(STRESSES, given, strict=True):
@@ -237,14 +258,14 @@ def curve(solve, gap, tolerance, given) -> tuple:
 
 
 def error_of(gap, closures, pressures) -> float:
-    """The largest error along a curve, as defined above."""
+    """Return the largest error along a curve, as the docstring of this module defines it."""
     deformed = [displacement(pressure) + gap for pressure in pressures]
     excess = [np.vdot(p, g - g.min()) for p, g in zip(pressures, deformed, strict=True)]
     return np.max(excess / (pressures.sum(axis=(1, 2)) * closures))
 
 
 def peer_row(name, solve, gap, exact) -> dict:
-    """What a peer needs and gives, compared with our own solved to 1e-10."""
+    """Return the row of a peer, with differences from our own solution to 1e-10 (``exact``)."""
     for tolerance in 10.0 ** -np.arange(4.5, 9.1, 0.25):
         closures, pressures, products = curve(solve, gap, tolerance, exact[0])
         if (error := error_of(gap, closures, pressures)) <= TOLERANCE:
@@ -263,13 +284,13 @@ def peer_row(name, solve, gap, exact) -> dict:
 
 
 def simulate(walls):
-    """jointclosure, at the same stresses."""
+    """Simulate the joint by jointclosure at the same stresses."""
     numerics = jc.Numerics(force_tolerance=TOLERANCE, curve_points=yardstick.POINTS)
     return yardstick.close(walls, yardstick.ELASTIC, STRESSES[-1], numerics=numerics)
 
 
 def joint_row(walls) -> dict:
-    """The same of jointclosure, read from its loading branch."""
+    """Return the row of jointclosure, read from its loading branch."""
     cycle = simulate(walls)
     up = cycle.isel(step=cycle.branch == "loading")
     down = cycle.step.size - up.step.size
@@ -289,7 +310,7 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
     """Print the machine, the times and the curves of all codes; write the times as CSV."""
     walls = yardstick.joint_walls(CELLS, seed)
     gap = np.max(walls[0] + walls[1]) - (walls[0] + walls[1])
-    exact = curve(own(gap), gap, 1e-10, STRESSES)  # which it does not use
+    exact = curve(own(gap), gap, 1e-10, STRESSES)  # the given closures are not used
     rows = {"jointclosure": joint_row(walls)}
     runs = {"jointclosure": (simulate, walls)}
     for name, set_up in PEERS.items():

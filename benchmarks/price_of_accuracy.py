@@ -53,7 +53,7 @@ def joints(scans: list[Path]) -> Iterator[tuple[str, tuple]]:
 
 
 def closed(name: str, given: tuple, numerics: jc.Numerics) -> dict:
-    """Close a joint; return its net closures [m], stiffnesses [Pa/m], and processor time [s]."""
+    """Simulate a joint; return its net closures [m], stiffnesses [Pa/m] and processor time [s]."""
     walls, spacing, rock, stress = given
     seconds, joint = yardstick.timed(
         lambda: jc.simulate(
@@ -71,9 +71,10 @@ def closed(name: str, given: tuple, numerics: jc.Numerics) -> dict:
 
 
 def summarised(table: pd.DataFrame, finest: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """Errors [%] of means with standard errors, and of single joints, by setting.
+    """Tabulate errors [%] of means, with standard errors, and of single joints by setting.
 
-    They are from the joints of the ``finest`` setting, and times over those of the ``paper``'s.
+    Errors are differences from the joints of the ``finest`` setting, and times are relative to
+    those of the ``paper``'s steps.
     """
     of_joint = table.set_index(["setting", "joint"])
     reference = finest.set_index("joint")

@@ -54,7 +54,7 @@ USUAL, CHOSEN = "usual", "with choices"
 
 
 def inputs(number: int) -> tuple[dict, jc.Rock, float]:
-    """Return what is stated of a pair's truth, its rock and its maximum stress [Pa]."""
+    """Return the arguments of a pair's `Truth`, its rock and its maximum stress [Pa]."""
     random = generator(seed_of(59, "coverage", number))
     cell = 1e-3 * random.choice([0.125, 0.25, 0.25, 0.3])
     cells = int(random.integers(32, 47)) * round(paper_spacing(cell) / cell)
@@ -70,14 +70,14 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
         compressive_strength=1e6 * random.uniform(60.0, 200.0),
     )
     stress = 1e6 * random.choice([3.0, 5.0, 8.0])
-    if number % 5 >= 3:  # too unlike each other to be registered
+    if number % 5 >= 3:  # too different from each other to be registered
         mating = None if number % 2 else 1e-3 * random.uniform(3.0, 10.0)
         stated |= {"rotation": 0.0, "tilt": 0.0, "mating": mating}
     return stated, rock, stress
 
 
 def closed(number: int) -> tuple[Truth, ClosedJoint]:
-    """Return the truth of a pair, and the joint of its scans with ranges."""
+    """Return the truth of a pair, and the joint of its scans (by `close`) with its ranges."""
     stated, rock, stress = inputs(number)
     truth = Truth(number, **stated)
     shift = None
@@ -94,7 +94,10 @@ def closed(number: int) -> tuple[Truth, ClosedJoint]:
 
 
 def truths(number: int, truth: Truth, joint: ClosedJoint) -> list[tuple[str, xr.Dataset]]:
-    """Close the true walls with the usual choices of the model, and with random ones."""
+    """Simulate the true walls with the usual choices of the model, and with random ones.
+
+    Returns `USUAL` or `CHOSEN`, and the history, of each.
+    """
     walls = truth.walls(joint.pair)
     conditions = joint.conditions
     variants = [Variant(USUAL, "", conditions)]
@@ -154,7 +157,7 @@ def compared(number: int) -> list[dict]:
 
 
 def on_scale(table: pd.DataFrame) -> pd.DataFrame:
-    """Return numbers of a table of ranges on the scale of its ranges: logarithms, or log odds."""
+    """Return the numbers of a table of ranges as logarithms; those of shares as log odds."""
     numbers = table[["true", "best", "low", "high"]].astype(float)
     share = table.quantity == CONTACT
     numbers[share] = numbers[share] / (1.0 - numbers[share])
@@ -163,14 +166,14 @@ def on_scale(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def coverage(table: pd.DataFrame) -> pd.DataFrame:
-    """Return shares of truths in their ranges, and widths over those that hold nine in ten.
+    """Tabulate shares of truths in their ranges, and widths over those that would hold 90 %.
 
     On the scale of logarithms, or of log odds, a truth departs from the middle of its range by a
     multiple of half of the width. The width that is needed is the width times the 90 % quantile of
     these multiples. The 95 % interval of the share in the range is exact, with a count for each
-    pair; that of the width is of resampled pairs. ``below`` and ``above`` are shares of truths on
-    either side; ``half_width``, ``error`` (of the joint as it was
-    closed) and ``error_of_middle`` are medians of their sizes on this scale.
+    pair; that of the width is from resampled pairs. ``below`` and ``above`` are the shares of
+    truths on either side. ``half_width``, ``error`` (of the joint that was simulated) and
+    ``error_of_middle`` are medians of their sizes on this scale.
     """
     known = table[(table.true > 0.0) & (table.high > table.low) & (table.low > 0.0)]
     scaled = on_scale(known)

@@ -18,14 +18,13 @@ import pandas as pd
 import scipy
 
 import jointclosure as jc
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.roughness import detrended
@@ -44,7 +43,7 @@ def rotation(about: str, degrees: float) -> np.ndarray:
 
 
 class Truth:
-    """Walls without noise, z upwards, and the scans of them."""
+    """Walls without noise, z upwards, and scans of them; ``stated`` values are not drawn."""
 
     def __init__(self, number: int, **stated: float) -> None:
         random = generator(seed_of(1, "registration", number))
@@ -80,7 +79,7 @@ class Truth:
         self.random = random
 
     def scans(self) -> tuple[Scan | Cloud, Scan | Cloud]:
-        """Upper scan in its frame p = rotation^T (q - middle) + own, and lower scan."""
+        """Return the scans, the upper one in its frame p = rotation^T (q - middle) + own."""
         half = math.hypot(*self.middle[:2]) if self.about["rotation"] else max(self.middle)
         count = int(2 * half / self.cell)
         along = self.cell * (np.arange(count) - 0.5 * (count - 1) + self.random.uniform())
@@ -120,7 +119,7 @@ class Truth:
         return wall
 
     def errors(self, motion) -> tuple[float, float, np.ndarray]:
-        """Angle [degrees] and shift [cells] of a motion less the truth, and (angle, x, y) [SI]."""
+        """Return the errors of a motion: angle [degrees], shift [cells], and (angle, x, y) [SI]."""
         apart = motion.rotation @ self.rotation.T
         vector = scipy.spatial.transform.Rotation.from_matrix(apart).as_rotvec()
         place = self.rotation @ (motion.middle - self.own) + self.middle
@@ -138,13 +137,13 @@ class Truth:
 
 
 def closure(upper: np.ndarray, lower: np.ndarray, spacing: float) -> float:
-    """Return the net closure of the first cycle [mm]."""
+    """Simulate two walls (y, x) [m]; return the net closure of the cycle [mm]."""
     conditions = Conditions(spacing, "granite", 10e6, 1, numerics=RESOLVED).checked()
     return float(cycle_table(close_walls(upper, lower, conditions))[CLOSURE_NET].iloc[0])
 
 
 def compared(number: int, close: bool) -> dict[str, float]:
-    """Register a pair and return its errors."""
+    """Register a pair and return its errors; with ``close`` also its closures and the true one."""
     truth = Truth(number)
     scans = truth.scans()
     start = time.process_time()

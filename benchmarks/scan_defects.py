@@ -24,14 +24,13 @@ import scipy
 
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Cloud, Scan, filled, point_distance, wall_on_grid
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended
@@ -43,7 +42,7 @@ Damage = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
 
 class Defect(NamedTuple):
-    """A damage of heights (y, x) [m], of both walls or of the upper one alone."""
+    """Damage of heights (y, x) [m], of both walls or of the upper one only."""
 
     damage: Damage
     both: bool = True
@@ -61,7 +60,7 @@ def _refined(wall: np.ndarray, order: int) -> np.ndarray:
 
 
 def _hole(wall: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """Return cells in six holes of 5 to 12 cells a side."""
+    """Return whether cells (y, x) are in one of six holes of 5 to 12 cells a side."""
     hole = np.zeros(wall.shape, bool)
     for _ in range(6):
         size = int(random.integers(5, 13))
@@ -129,7 +128,7 @@ DEFECTS = {
     "upper wall times 1.1": Defect(lambda w, r: 1.1 * w, False),
     "upper wall times 1.03": Defect(lambda w, r: 1.03 * w, False),
 }
-_OF_PAIRS = "upper wall times"  # defects that a single wall does not show
+_OF_PAIRS = "upper wall times"  # beginning of defects that only a pair shows
 
 
 def undamaged() -> dict[str, Callable[[int], tuple[np.ndarray, np.ndarray]]]:
@@ -163,7 +162,7 @@ def scan_of(wall: np.ndarray) -> Scan:
 
 
 def warned(scan: Scan | Cloud) -> list[str]:
-    """Return the warnings that one scan receives, without those of reading it."""
+    """Return the warnings on one scan, without those of reading it."""
     kept = inspected(scan._replace(remarks=()))
     step = point_distance(kept)
     remarks = cautions(kept.remarks) + resolution_remarks(kept, wall_on_grid(kept, step), step)
@@ -171,13 +170,13 @@ def warned(scan: Scan | Cloud) -> list[str]:
 
 
 def pair_warned(upper: np.ndarray, lower: np.ndarray) -> list[str]:
-    """Return the warning of different scales of two walls."""
+    """Return the warnings on different scales of two walls."""
     pair = registered(scan_of(upper), scan_of(lower), orientation="towards", shift="scanned")
     return [line for line in pair.warnings if "calibrate" in line]
 
 
 def judged(pairs: int, scans: dict[str, Scan | Cloud]) -> pd.DataFrame:
-    """Count scans that are warned of, of each undamaged kind and of each defect."""
+    """Count scans with a warning for each undamaged kind of walls and for each defect."""
     kinds = undamaged()
     rows = []
 
@@ -207,14 +206,14 @@ def judged(pairs: int, scans: dict[str, Scan | Cloud]) -> pd.DataFrame:
 
 
 def closures(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
-    """Return the net closure [mm] of both cycles."""
+    """Simulate two walls (y, x) [m]; return the net closures (2,) [mm] of both cycles."""
     conditions = Conditions(SPACING, "granite", 10e6, 2, numerics=RESOLVED).checked()
     table = cycle_table(close_walls(detrended(upper), detrended(lower), conditions))
     return table[CLOSURE_NET].to_numpy()
 
 
 def closed(pairs: int, defects: dict[str, Defect]) -> pd.DataFrame:
-    """Close pairs that were damaged, as they are and with their range."""
+    """Simulate damaged pairs as they are, and by `close` with their range, beside the true pair."""
     rows = []
     for number in range(pairs):
         walls = undamaged()["sampled"](number)
@@ -250,7 +249,7 @@ def closed(pairs: int, defects: dict[str, Defect]) -> pd.DataFrame:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Return geometric means over pairs of closures over the true ones, and ranges that hold."""
+    """Tabulate geometric means of closures over the true ones, and ranges that hold these."""
     ratios = ["before", "best", "low", "high"]
     logs = table.assign(**{name: np.log(table[name]) for name in ratios})
     by = logs.groupby(["defect", "cycle"], sort=False)

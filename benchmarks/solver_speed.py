@@ -28,7 +28,7 @@ SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 
 
 def curve_memory(cells: int, mated: bool) -> tuple[float, float]:
-    """Peak memory [MB] of this process before a closure curve, and after."""
+    """Return the peak memory [MB] of this process before and after a closure curve."""
     before = yardstick.peak_memory()
     yardstick.curve(yardstick.joint_walls(cells, 0, mated))
     return before, yardstick.peak_memory()
@@ -101,7 +101,7 @@ def study(arguments) -> pd.DataFrame:
 
 
 def largest_grid(scene: str, minute: float) -> int:
-    """Cells along the largest grid of SIZES that the reference closes in time."""
+    """Return the largest of `SIZES` whose joint the reference solver simulates in time [s]."""
     done = SIZES[0]
     try:
         for cells in SIZES:

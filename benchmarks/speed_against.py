@@ -35,12 +35,12 @@ for line in sys.stdin:
     counts = [int(joint[name]) for name in ("settled_states", "equilibria", "solver_iterations")]
     print(json.dumps([seconds, int(joint.status), *closures, *counts]), flush=True)
 """
-"""Program that closes the joints that are named on its standard input, in a clone's folder."""
+"""Program for a clone's folder: simulates the joints that its standard input names."""
 COLUMNS = ["seconds", "status", "closure 1", "closure 2", "settled", "equilibria", "products"]
 
 
 class Clone:
-    """A clone at work: `rocks` of its study, and the answers to `closed`."""
+    """Process in the folder of a clone, which simulates joints of the ``rocks`` of its study."""
 
     def __init__(self, folder: Path):
         python = folder.resolve() / ".venv" / "bin" / "python"
@@ -54,14 +54,14 @@ class Clone:
         self.rocks: list[str] = self._answer()
 
     def closed(self, rock: str, surface: int) -> dict:
-        """Close a joint; return the `COLUMNS`."""
+        """Simulate a joint; return its values by `COLUMNS`."""
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps([rock, surface]) + "\n")
         self._process.stdin.flush()
         return dict(zip(COLUMNS, self._answer(), strict=True))
 
     def end(self) -> None:
-        """Let the process end."""
+        """End the process."""
         self._process.communicate()
 
     def _answer(self) -> list:
@@ -73,7 +73,7 @@ class Clone:
 
 
 def compared(arguments) -> pd.DataFrame:
-    """Close all joints in both clones, those that are timed several times: one row a joint."""
+    """Simulate all joints in both clones, timed ones several times; return a row for each."""
     clones = {"here": Clone(Path(__file__).parents[1]), "other": Clone(arguments.other)}
     rows = []
     for rock in clones["here"].rocks:
@@ -97,7 +97,7 @@ def compared(arguments) -> pd.DataFrame:
 
 
 def summarised(table: pd.DataFrame) -> pd.DataFrame:
-    """Times and changes [%] of mean net closures by rock, and of all rocks together."""
+    """Tabulate times, and changes [%] of mean net closures, by rock and of all rocks together."""
     rows = []
     for rock, joints in [*table.groupby("rock", sort=False), ("all", table)]:
         timed = joints[joints.timed]
@@ -112,7 +112,7 @@ def summarised(table: pd.DataFrame) -> pd.DataFrame:
         row["joints"] = len(joints)
         for cycle in CYCLES:
             here, other = (joints[f"{name} closure {cycle}"] for name in ("here", "other"))
-            # of a ratio of means: all rocks count alike
+            # changes are relative to the mean of the rock, so that all rocks count alike
             means = joints.groupby("rock")[f"other closure {cycle}"].transform("mean")
             mean, error = mean_of(100.0 * ((here - other) / means).to_numpy())
             row |= {f"closure {cycle} change %": mean, f"closure {cycle} standard error %": error}

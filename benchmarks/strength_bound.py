@@ -23,12 +23,12 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.ensembles.joints import Reading, close_joint
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.provenance import write_origin
-from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls
 from jointclosure.uncertainty.variants import COPIES, coarser
+from jointclosure.walls.wall_files import registered_walls
 
 NONE, BASE = "none, as in the paper", "strength bounded by the base"
 RULES = {NONE: jc.Choices(strength_bound="none"), BASE: jc.Choices(strength_bound="base")}
@@ -36,17 +36,17 @@ NAMES = ("dolerite", "siltstone", "limestone", "slate")
 LOADS = ((1.0, None), (0.5, 0.12), (1.5, 0.2), (2.0, 0.35), (1.0, 0.06))
 """JRC over that of the rock, and stress over its strength or None for 30 MPa, of two seeds each."""
 FEW = 2
-"""Number of joints a rock that are closed at the finest steps too."""
+"""Number of joints of a rock that are also simulated by the finest steps."""
 STEPPED = 5
-"""Number of joints a rock that are closed at an eighth of the tolerance too."""
+"""Number of joints of a rock that are also simulated at an eighth of the tolerance."""
 SPACING, CLOSURE, STIFFNESS = 0.25e-3, "max_closure_seated_net", "stiffness_net"
 MATED = Path("config/walls")
-"""Folder of scans that are closed at their best fit, others as they were scanned."""
+"""Folder of scans that are simulated at their best fit; others are as they were scanned."""
 KEYS = ["joint", "rule", "setting", "copy"]
 
 
 def finer(part: float) -> jc.Numerics:
-    """The paper's numerics with all steps over a number."""
+    """Return the paper's numerics with all steps divided by a number."""
     usual = jc.Numerics()
     steps = [name for name in jc.Numerics._fields if name.endswith("_step")]
     return usual._replace(**{name: getattr(usual, name) / part for name in steps})
@@ -75,7 +75,7 @@ def joint_of(name: str) -> tuple:
 
 
 def closed(name: str, rule: str, setting: str, copy: str) -> dict:
-    """Close a joint and return its row."""
+    """Simulate a copy of a joint by a rule and a setting; return its row."""
     walls, spacing, rock, stress = joint_of(name)
     made = {"choices": RULES[rule], "numerics": SETTINGS[setting]}
     conditions = Conditions(spacing, rock, stress, **made).checked()
@@ -93,7 +93,7 @@ def closed(name: str, rule: str, setting: str, copy: str) -> dict:
 
 
 def tasks_of(joints: int, scans: list[Path]) -> list[tuple[str, str, str, str]]:
-    """Return (joint, rule, setting, copy) of all closures, by joint."""
+    """Return (joint, rule, setting, copy) of all simulations, joint by joint."""
     names = [f"{rock} {seed}" for seed in range(joints) for rock in NAMES]
     tasks = []
     for name in [*names, *(str(file) for folder in scans for file in folder.glob("*_upper.*"))]:
@@ -111,7 +111,7 @@ def tasks_of(joints: int, scans: list[Path]) -> list[tuple[str, str, str, str]]:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Means over joints of differences from resolved breakage, and of the spread of its copies."""
+    """Tabulate mean differences from resolved breakage, and the median spread of its copies."""
     rows = []
     for kind, rule, cycle in itertools.product(("made", "scanned"), RULES, (1, 2)):
         part = table[(table.rule == rule) & (table.kind == kind)]
@@ -134,7 +134,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def steps_summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Differences of resolved breakage from an eighth of the tolerance, and ratios of time."""
+    """Tabulate differences of resolved breakage from an eighth of the tolerance, and times."""
     rows = []
     alike = table[(table["rule"] == BASE) & (table["copy"] == next(iter(COPIES)))]
     read = ["seconds", *alike.filter(like="ness_"), *alike.filter(like="sure_")]

@@ -1,4 +1,4 @@
-"""What the benchmarks measure with: FFT pairs, medians, the machine, one joint, processes.
+"""Functions for measurements of benchmarks: FFT pairs, times, the machine, joints, processes.
 
 The yardstick of all times is one FFT pair: scipy.fft.rfft2 and irfft2 of 200 x 200 doubles on one
 thread, which is the padded size of the paper's 100 x 100 cells. It is timed again before every
@@ -36,7 +36,10 @@ from studies.frame.yaml_files import ConfigurationError
 
 
 def options(text: str, **defaults: object) -> argparse.Namespace:
-    """Options of the command line: a list takes one or more of its kind, a type has no default."""
+    """Read options of the command line, whose types are those of their defaults.
+
+    A default that is a list takes one or more values; a default that is a type is none.
+    """
     parser = argparse.ArgumentParser(
         description=text, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -58,7 +61,7 @@ POINTS = 20
 
 
 def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options):
-    """Close a joint of dolerite [Pa] by the paper's model: the dataset."""
+    """Close a joint of dolerite to a stress [Pa] by the paper's model; return its history."""
     return jc.simulate(
         *walls, choices=jc.Choices(strength_bound="none"), spacing=SPACING, rock=DOLERITE,
         max_normal_stress=stress, cycles=cycles, effects=effects, **options,
@@ -66,9 +69,9 @@ def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options)
 
 
 def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
-    """The paper's study, with changes of its keys, and its base cases, one a rock.
+    """Return the paper's study with changes of its keys, and its base cases, one for each rock.
 
-    Changes that cannot be end the benchmark, with a message that names the key.
+    A change that is not allowed ends the benchmark, with a message that names the key.
     """
     try:
         configuration = configured(merged(merged_study(), *changes))
@@ -80,7 +83,7 @@ def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
 def case_settings(
     realizations: int, cells: int, max_normal_stress: float, effects: jc.Effects, **study
 ) -> ClosureSettings:
-    """The dolerite of the paper's study, on a square grid; ``study`` has keys of its section."""
+    """Return settings of the paper's dolerite on a square grid; ``study`` has keys of `study`."""
     configuration, (case, *_) = paper_study(
         {"grid": {"cells_x": cells, "cells_y": cells}, "study": {"rocks": ["dolerite"]} | study}
     )
@@ -90,7 +93,7 @@ def case_settings(
 
 
 def joint_walls(cells: int, seed: int, mated: bool = False) -> tuple:
-    """Two independent walls, or two that nearly fit."""
+    """Make two independent walls (y, x) [m] of JRC 8, or two that nearly mate."""
     upper, lower = jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None)
     if mated:
         lower = -upper + 1e-7 * np.random.default_rng(seed).standard_normal(upper.shape)
@@ -98,19 +101,19 @@ def joint_walls(cells: int, seed: int, mated: bool = False) -> tuple:
 
 
 def curve(walls):
-    """The elastic closure curve."""
+    """Simulate the elastic closure curve of two walls to 30 MPa."""
     return close(walls, ELASTIC, 30e6, numerics=jc.Numerics(curve_points=POINTS))
 
 
 def timed(function: Callable) -> tuple:
-    """Seconds of CPU time that a call took, which others disturb less, and what it returned."""
+    """Return the processor time [s] of a call, and its result."""
     start = time.process_time()
     result = function()
     return time.process_time() - start, result
 
 
 def median_time(function: Callable, repeats: int, before: Callable = lambda: None) -> float:
-    """Median seconds of a call after one warm-up call; ``before`` is called before each."""
+    """Return the median processor time [s] of calls after a first one; ``before`` precedes each."""
     function()
     times = []
     for _ in range(repeats):
@@ -120,7 +123,7 @@ def median_time(function: Callable, repeats: int, before: Callable = lambda: Non
 
 
 def base_case(configuration: Configuration, case: Case, realization: int) -> tuple[float, object]:
-    """Close a surface pair as the study does: seconds, and the dataset."""
+    """Simulate a realisation of a case as the study does; return processor time [s] and history."""
     block = range(realization, realization + 1)
     settings = block_settings(configuration, case, block)
     walls = next(walls_of(settings))
@@ -128,7 +131,7 @@ def base_case(configuration: Configuration, case: Case, realization: int) -> tup
 
 
 class Pair:
-    """One FFT pair of size x size doubles: `sample` times it, `seconds` is the median so far."""
+    """FFT pair of size x size doubles, whose time is sampled again and again."""
 
     def __init__(self, size: int = 200, count: int = 25):
         self.size = size
@@ -147,21 +150,21 @@ class Pair:
 
     @property
     def seconds(self) -> float:
-        """Median of all that was sampled."""
+        """Median of all sampled times [s]."""
         return float(np.median(self._times))
 
 
 def machine() -> str:
-    """Processor and versions in one line."""
+    """Return processor and versions in one line."""
     versions = versions_of("numpy", "scipy", "numba")
     packages = ", ".join(f"{name} {version}" for name, version in versions.items())
     return f"{processor()}, Python {platform.python_version()}, {packages}"
 
 
 def peak_memory() -> float:
-    """Largest resident memory of this process so far [MB].
+    """Return the largest resident memory of this process so far [MB].
 
-    From VmHWM, as on Linux ru_maxrss starts at that of the process that started this one.
+    It is VmHWM on Linux, where ru_maxrss begins with the value of the parent process.
     """
     status = Path("/proc/self/status")
     if status.is_file() and (peak := re.search(r"VmHWM:\s*(\d+)", status.read_text())):
@@ -171,7 +174,10 @@ def peak_memory() -> float:
 
 
 def called_alone(function: Callable, *arguments, timeout: float | None = None):
-    """Call a function of a module of this folder in a process of its own, at most so long [s]."""
+    """Call a function of a module of this folder in a new process, for at most ``timeout`` [s].
+
+    Arguments must have a literal form, and the result one in JSON.
+    """
     module = Path(function.__code__.co_filename).stem
     name = function.__name__
     program = (
@@ -184,13 +190,13 @@ def called_alone(function: Callable, *arguments, timeout: float | None = None):
 
 
 def warm_up(*solvers: str) -> None:
-    """Compile what the scenes need, by closing a small joint in each."""
+    """Compile the kernels of the scenes by simulating a small joint in each."""
     for effects, solver in itertools.product(SCENES.values(), solvers):
         close(joint_walls(24, 0), effects, 1e6, numerics=jc.Numerics(solver=solver))
 
 
 def by_solver(cells: int, seed: int, scene: str, solver: str) -> tuple[float, float]:
-    """Seconds that a solver takes to 3 MPa, and its maximum closure [um]."""
+    """Simulate a joint to 3 MPa by a solver; return processor time [s] and maximum closure [um]."""
     walls = joint_walls(cells, seed)
     numerics = jc.Numerics(solver=solver)
     seconds, found = timed(lambda: close(walls, SCENES[scene], 3e6, numerics=numerics))
@@ -198,13 +204,13 @@ def by_solver(cells: int, seed: int, scene: str, solver: str) -> tuple[float, fl
 
 
 def spread(times: list, unit: str, scale: float) -> dict:
-    """Median and extremes."""
+    """Return median, least and largest of times by names with ``unit``, times ``scale``."""
     names = (unit, f"{unit} min", f"{unit} max")
     return dict(zip(names, scale * np.quantile(times, (0.5, 0.0, 1.0)), strict=True))
 
 
 def show(title: str, table: pd.DataFrame, output: Path | None, name: str) -> None:
-    """Print a table, and write it as CSV into a folder, if one is given."""
+    """Print a table with a title, and write it as CSV to a folder, if one is given."""
     if len(table.columns) > 8:
         shown = table.set_index(table.columns[0]).T.to_string(float_format="{:.4g}".format)
     else:

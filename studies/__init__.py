@@ -1,1 +1,1 @@
-"""Studies of joints: each folder has what it closes, its tables, figures, page and test."""
+"""Studies of joints: each folder has its joints, tables, figures, page and test."""

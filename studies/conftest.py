@@ -1,4 +1,4 @@
-"""Joints of the experiment of a folder, made tiny, closed once for its tests."""
+"""Joints of the experiment of a folder, made tiny, and simulated once for all its tests."""
 
 from itertools import chain
 
@@ -32,7 +32,7 @@ def jobs(experiment, study) -> Jobs:
 
 @pytest.fixture(scope="module")
 def joints(experiment, jobs, tmp_path_factory) -> pd.DataFrame:
-    """Joints of all jobs, through files, as the rules close and read them."""
+    """Table of the joints of all jobs, written to files and read again as by the rules."""
     files = {name: tmp_path_factory.mktemp("joints") / "job.nc" for name in jobs}
     for name, file in files.items():
         write_netcdf(close_points(jobs[name], experiment.quantities), file)
@@ -41,17 +41,17 @@ def joints(experiment, jobs, tmp_path_factory) -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def tables(experiment, study, joints) -> dict:
-    """Tables by name, of which all figures were drawn."""
+    """Tables by name; all figures have been drawn from them."""
     return tables_of(experiment, study, joints)
 
 
 def folder_of(request) -> str:
-    """Name of the folder of a test, which is that of its experiment and of its section."""
+    """Return the name of a test's folder, which its experiment and section have too."""
     return request.module.__name__.split(".")[1]
 
 
 def tables_of(experiment: Experiment, study: Configuration, joints: pd.DataFrame) -> dict:
-    """Make all tables of an experiment, and draw its figures; the tables by name."""
+    """Make all tables of an experiment, draw its figures, and return the tables by name."""
     settings = experiment.settings(study)
     made = {name: make(joints, settings) for name, make in experiment.tables.items()}
     named = {name.removesuffix(".csv"): table for name, table in made.items()}
@@ -62,5 +62,5 @@ def tables_of(experiment: Experiment, study: Configuration, joints: pd.DataFrame
 
 
 def points_of(experiment: Experiment, study: Configuration) -> list:
-    """Points of all jobs of an experiment."""
+    """Return the points of all jobs of an experiment."""
     return list(chain.from_iterable(experiment.jobs(study).values()))

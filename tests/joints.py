@@ -1,4 +1,4 @@
-"""Joints that several tests close."""
+"""Joints that several tests simulate."""
 
 import os
 from pathlib import Path
@@ -6,27 +6,27 @@ from pathlib import Path
 import numpy as np
 
 import jointclosure as jc
-from jointclosure.uncertainty.scanned_joint import RESOLVED
+from jointclosure.joint.conditions import RESOLVED
 
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 SPACING = 0.25e-3
 ELASTIC = jc.Effects(breakage=False, gouge=False)
 COARSE = RESOLVED._replace(tolerance=0.1)
-"""Few steps of resolved breakage, for what is not about their error."""
+"""Resolved breakage with few steps, for tests that do not concern its error."""
 TWO_WALLS = Path(
     os.environ.get("JOINTCLOSURE_TWO_WALLS") or Path(__file__).parents[2] / "shared/data/two_walls"
 )
-"""Scans of both walls of a fracture, where they are at hand."""
+"""Folder with scans of both walls of a fracture; it need not exist."""
 
 
 def pair(cells=24, seed=3):
-    """Two walls of JRC 8, square or of a shape."""
+    """Make two walls of JRC 8, with ``cells`` along each side or of a shape (ny, nx)."""
     shape = (cells, cells) if isinstance(cells, int) else cells
     return jc.wall_pair(8.0, shape, SPACING, seed, roll_off=None)
 
 
 def _stated(stated):
-    """Arguments of `simulate` or `equilibrium`, fields of numerics and choices taken by name."""
+    """Return arguments of `simulate` or `equilibrium`; numerics and choices take their fields."""
     for key, settings in (("numerics", jc.Numerics), ("choices", jc.Choices)):
         fields = {name: stated.pop(name) for name in settings._fields if name in stated}
         stated.setdefault(key, settings(**fields))
@@ -34,17 +34,17 @@ def _stated(stated):
 
 
 def closed(walls, stress=4e6, **stated):
-    """Walls of dolerite closed by `simulate`."""
+    """Close walls of dolerite by `simulate`, to a stress [Pa]."""
     return jc.simulate(*walls, **_stated({"max_normal_stress": stress} | stated))
 
 
 def balanced(walls, closure, **stated):
-    """Forces between walls of dolerite by `equilibrium`."""
+    """Find the forces between walls of dolerite at a closure [m] by `equilibrium`."""
     return jc.equilibrium(*walls, closure=closure, **_stated(stated))
 
 
 def on_softer_half_spaces(history, compliance=2e-12):
-    """The same joint where half-spaces give way by more, in proportion to the stress [m/Pa]."""
+    """Return a history with a larger bulk indentation, by ``compliance`` [m/Pa] times stress."""
     more = compliance * history.normal_stress
     return history.assign(
         closure=history.closure + more, bulk_indentation=history.bulk_indentation + more
@@ -52,7 +52,7 @@ def on_softer_half_spaces(history, compliance=2e-12):
 
 
 def bump(shape, radius, spacing=SPACING, centre=None):
-    """A wall with one parabolic cap of a radius [m] at its centre cell."""
+    """Make a wall (y, x) [m] with one parabolic cap of a radius [m] at its ``centre`` cell."""
     y, x = np.indices(shape)
     v, w = centre or (shape[0] // 2, shape[1] // 2)
     return -0.5 * spacing**2 * ((y - v) ** 2 + (x - w) ** 2) / radius

@@ -15,7 +15,7 @@ CALLED: set[str] = set()
 
 
 def watched(function, **options):
-    """In place of `numba.njit`, which without the JIT gives the function back."""
+    """Return a function that records its calls, in place of `numba.njit`."""
     name = f"{function.__module__}.{function.__name__}"
 
     @functools.wraps(function)
@@ -31,5 +31,5 @@ if numba.config.DISABLE_JIT:
 
 
 def pytest_sessionfinish(session, exitstatus) -> None:
-    """Write the names, one a line."""
+    """Write the names of the recorded kernels, one a line."""
     Path(os.environ["KERNEL_CALLS"]).write_text("\n".join(sorted(CALLED)))

@@ -1,8 +1,8 @@
 """Changes of one line that the fast tests must notice: `python -m tests.mutants [words of a file]`.
 
-Each entry of ``mutants.yaml`` names a file, texts that occur in it once with the wrong text in
-their place, and the tests that should fail. The clone is copied, so its files never change. Tests
-run in processes that are forked after the libraries are imported, which takes most of their time.
+Each entry of ``mutants.yaml`` names a file, texts that occur once in it, the wrong text in place of
+each, and the tests that should fail. Tests run in copies of the clone, so that its files never
+change, and in processes that are forked after the import of libraries, which takes long.
 """
 
 import importlib
@@ -24,9 +24,9 @@ LIST = Path(__file__).with_suffix(".yaml")
 COPIES = ROOT / "build/mutants"
 KERNELS = "src/jointclosure/compiled"
 KINDS = ("law", "limit")
-"""A law, statistic or file; or a correction, a limit or a guard."""
+"""Kinds of mutants: of a law, a statistic or a file; of a correction, a limit or a guard."""
 LEAST, LEAST_LIMITS = 100, 40
-"""Number of mutants of the whole list, and of those of limits."""
+"""Least number of mutants in the list, and of those of the kind ``limit``."""
 MOST_MISSED = 5
 """Largest number of mutants of the whole list that may go unnoticed."""
 LIBRARIES = ("numba", "scipy.optimize", "scipy.stats", "scipy.interpolate", "scipy.ndimage",
@@ -35,7 +35,7 @@ LIBRARIES = ("numba", "scipy.optimize", "scipy.stats", "scipy.interpolate", "sci
 
 
 class Mutant(NamedTuple):
-    """A wrong line: file, its text, the wrong text, the tests that are run, and its kind."""
+    """Wrong line: its file, the right and the wrong text, the tests that are run, and its kind."""
 
     file: str
     old: str
@@ -45,7 +45,7 @@ class Mutant(NamedTuple):
 
 
 def mutants() -> list[Mutant]:
-    """Return all mutants of the list; raise ValueError for one that does not fit its file."""
+    """Return all mutants of the list; raise `ValueError` for one that does not fit its file."""
     listed = [
         Mutant(entry["file"], old, new, entry["tests"], entry.get("kind", "law"))
         for entry in yaml.safe_load(LIST.read_text(encoding="utf-8"))
@@ -59,10 +59,10 @@ def mutants() -> list[Mutant]:
 
 
 def copied(number: int) -> Path:
-    """Copy all files that Git knows, and compiled kernels, which most mutants leave valid."""
+    """Copy the files that Git tracks, and compiled kernels, to a folder; return it."""
     copy = COPIES / f"clone_{number}"
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
-    shutil.rmtree(copy, ignore_errors=True)  # may have files that Git knows no longer
+    shutil.rmtree(copy, ignore_errors=True)  # it may have files that Git no longer tracks
     copy.mkdir(parents=True)
     command = ["tar", "-c", "--null", "-T", "-", "-f", "-"]
     packed = subprocess.run(command, cwd=ROOT, input=files.stdout, capture_output=True, check=True)
@@ -73,7 +73,7 @@ def copied(number: int) -> Path:
 
 
 def started(copy: Path, tests: str) -> int:
-    """Start the tests of a copy, with its own package, in a forked process; return its number."""
+    """Start tests in a copy, with its package, in a forked process; return the process's number."""
     if number := os.fork():
         return number
     code = 3
@@ -93,7 +93,7 @@ def started(copy: Path, tests: str) -> int:
         words = ["-x", "-q", "-m", "not slow", "-p", "no:cacheprovider"]
         words += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
         code = int(pytest.main([*words, *shlex.split(tests)]))
-    except BaseException:  # the process must end here, with what went wrong in its file
+    except BaseException:  # the process must end here; its file has the error
         traceback.print_exc()
     finally:
         sys.stdout.flush()
@@ -106,7 +106,7 @@ _PLACES = (ROOT, ROOT / "src")
 
 
 def noticed(chosen: Sequence[Mutant], copies: Sequence[Path]) -> Iterator[tuple[int, bool, float]]:
-    """Generate (place, whether a test fails while a copy has the mutant, seconds), as finished."""
+    """Generate (place, whether a test notices the mutant, seconds) in the order of completion."""
     waiting, free = list(enumerate(chosen)), list(copies)
     running: dict[int, tuple[int, Path, str, float]] = {}
     while waiting or running:
@@ -128,7 +128,7 @@ def noticed(chosen: Sequence[Mutant], copies: Sequence[Path]) -> Iterator[tuple[
 
 
 def main(words: list[str]) -> int:
-    """Run the mutants of all files whose path has one of the words; 1 if too few are noticed."""
+    """Run the mutants of files whose path has one of the words; return 1 if too many are missed."""
     os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1")
     chosen = [m for m in mutants() if not words or any(word in m.file for word in words)]
     copies = [copied(number) for number in range(os.cpu_count() or 1)]

@@ -1,4 +1,4 @@
-"""Studies for tests: the paper's, with what a test changes."""
+"""Studies for tests: the paper's, with the changes of a test."""
 
 from pathlib import Path
 
@@ -11,15 +11,15 @@ DEFAULT = read_plain(DEFAULT_FILE)
 
 
 def keys_of(*changes: dict) -> dict:
-    """The paper's keys with changes over them, not checked."""
+    """Return the paper's keys with changes merged over them, not checked."""
     return merged(DEFAULT, *changes)
 
 
 def tiny(experiment: str) -> dict:
-    """Keys of an experiment of seconds."""
+    """Return the keys of an experiment so small that it takes seconds."""
     return read_plain(ROOT / f"studies/{experiment}/tiny_{experiment}.yaml")
 
 
 def study_of(*changes: dict) -> Configuration:
-    """The paper's study with changes, checked."""
+    """Return the configuration of the paper's study with changes, checked."""
     return configured(keys_of(*changes))

@@ -1,4 +1,4 @@
-"""Calls that mypy checks and nothing runs: an error that it does not see fails `make lint`."""
+"""Calls that only mypy checks: `make lint` fails if it overlooks a wrong keyword."""
 
 import jointclosure as jc
 

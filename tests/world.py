@@ -1,4 +1,4 @@
-"""A study whose truth is known: closures that are powers of the parameters, on random surfaces."""
+"""Study with known elasticities: closures are powers of the parameters, on random surfaces."""
 
 import numpy as np
 import xarray as xr
@@ -13,11 +13,11 @@ ELASTICITIES = {
     1: {"poisson_ratio": 0.0, "youngs_modulus": -0.3, "compressive_strength": -0.4, "jrc": 0.8},
     2: {"poisson_ratio": 0.02, "youngs_modulus": -1.0, "compressive_strength": 0.6, "jrc": 0.05},
 }
-"""By cycle; what the paper claims of the model is true of them, in every rock."""
+"""Elasticities by cycle; with them the paper's claims are true in every rock."""
 SCATTER = {1: 0.15, 2: 0.08}
 """Standard deviation of the log of a closure over surfaces."""
 IRREGULAR = 0.004
-"""And of what each surface and case has of its own, which a paired test sees."""
+"""Standard deviation of a part of it that differs between the cases of a surface."""
 NET_SHARE = 0.9
 STRESSES = 7
 
@@ -29,10 +29,10 @@ def world(
     loop: float = 0.05,
     power: float = 0.5,
 ) -> xr.Dataset:
-    """The dataset of a study, or of a pool, in that world.
+    """Return the dataset of a study, or of a pool, with known ``elasticities``.
 
-    ``loop``: by how much unloading lies above loading at half the stress, over the closure.
-    ``power``: of the stress, as which a closure rises in a cycle.
+    ``loop`` is the closure of unloading less that of loading, over the maximum closure. In a cycle
+    closure rises as a ``power`` of the stress.
     """
     configuration = configuration or study_of()
     cases = cases_of(configuration)

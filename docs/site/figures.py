@@ -27,7 +27,7 @@ FILES, STEP, QUESTION = "#e8e8e8", "#dce9f5", "#fdf0d5"
 
 
 class Box(NamedTuple):
-    """A box of a diagram: its centre in columns and rows (downwards), its text and colour."""
+    """Box of a diagram: its centre in columns and in rows (downwards), its text and colour."""
 
     x: float
     y: float
@@ -85,7 +85,7 @@ def diagram(boxes: dict[str, Box], arrows: tuple[str, ...]) -> Figure:
 
 
 def composite() -> Figure:
-    """Draw two walls, their composite, and the asperities of this model (the paper's Fig. 1)."""
+    """Draw two walls, their composite surface, and this model's asperities (the paper's Fig. 1)."""
     figure, panels = plt.subplots(1, 3, figsize=(10, 2.6), layout="constrained")
     cells = np.arange(24.0)
     lower = 0.6 * np.sin(0.55 * cells) + 0.35 * np.sin(1.3 * cells + 1.0)
@@ -128,7 +128,7 @@ def contact() -> Figure:
 
 
 def overview() -> Figure:
-    """Draw two walls, where they touch at the largest stress, and the closure of 20 pairs."""
+    """Draw a pair of walls, its aperture at the largest stress, and the closure of 20 pairs."""
     rock = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
     load = {"spacing": 0.25e-3, "rock": rock, "max_normal_stress": 10e6}
     upper, lower = _walls(0)
@@ -154,14 +154,17 @@ def assessment() -> Figure:
 
 
 def price_of_accuracy() -> Figure:
-    """Draw errors of means and of single joints over the time of a joint, now and before."""
+    """Draw errors of means and of single joints over the time of a joint, for two solvers.
+
+    These are the present solver, and that of the stored run ``price_before``.
+    """
     tables = {"": stored("price_of_accuracy/price"), "before": stored("price_before/price")}
     figure, panels = plt.subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
     for axes, response in zip(panels.T.flat, ("closure 1", "closure 2", "stiffness 1",
                                               "stiffness 2"), strict=True):  # fmt: skip
         for solver, table in tables.items():
             seconds = table.seconds / table.joints
-            known = table[f"{response} rms %"] > 0.0  # not the setting from which errors are taken
+            known = table[f"{response} rms %"] > 0.0  # the reference has no error
             look = {"ls": ":", "mfc": "none"} if solver else {"ls": "-"}
             for colour, name, errors in (
                 ("C0", "mean", table[f"{response} mean %"].abs()),
@@ -190,7 +193,7 @@ def _walls(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _band(axes: Axes, ensemble: xr.Dataset) -> None:
-    """Draw the mean net closure of each branch, and the 5 to 95 % quantiles of loadings."""
+    """Draw the mean net closure of each branch, and the 5 and 95 % quantiles of loading."""
     net = 1e3 * since_seating(ensemble).sel(stress=ensemble.stress > 0.5e6)
     for cycle, branch in itertools.product(ensemble.cycle.values, ensemble.branch.values):
         closure, stress = net.sel(cycle=cycle, branch=branch), 1e-6 * net.stress.values

@@ -29,7 +29,7 @@ _EQUATION = re.compile(r'<(span|div) class="arithmatex">\\([\[(])(.*?)\\[\])]</\
 
 
 def on_config(config: MkDocsConfig) -> None:
-    """Name the pages of the API in the navigation."""
+    """Add the pages of the API to the navigation."""
     config.nav.append({"API": [f"api/{name}.md" for name in modules()]})
 
 
@@ -56,7 +56,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Lead links to where their targets are in the site."""
+    """Replace targets of links by their places in the site."""
     here = source_of(page.file)
 
     def moved(link: re.Match) -> str:
@@ -70,7 +70,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Equations as MathML, which browsers draw by themselves."""
+    """Convert equations to MathML, which browsers draw without a script."""
 
     def drawn(found: re.Match) -> str:
         text = found[3].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
@@ -80,7 +80,7 @@ def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -
 
 
 def modules() -> dict[str, str]:
-    """API pages of the package and of the packages right below it."""
+    """Return the API pages of the package and of its subpackages by name."""
     package = ROOT / "src/jointclosure"
     names = [path.parent.name for path in sorted(package.glob("*/__init__.py"))]
     pages = {name: f"# jointclosure.{name}\n\n::: jointclosure.{name}\n" for name in names}
@@ -89,9 +89,9 @@ def modules() -> dict[str, str]:
 
 
 def notebook(source: Path) -> dict[str, str | bytes]:
-    """A notebook that was run, as files: a page and its pictures."""
+    """Run a notebook, and return its page and pictures by the names of their files."""
     book = executed(jupytext.read(source), source.name)
-    shown = ["image/png", "text/markdown", "text/plain"]  # HTML would bring scripts
+    shown = ["image/png", "text/markdown", "text/plain"]  # no HTML, as it would contain scripts
     exporter = MarkdownExporter(config=Config({"NbConvertBase": {"display_data_priority": shown}}))
     page, parts = exporter.from_notebook_node(book)
     renamed = {name: f"{source.stem}_{name}" for name in parts["outputs"]}
@@ -102,7 +102,7 @@ def notebook(source: Path) -> dict[str, str | bytes]:
 
 
 def executed(book: NotebookNode, name: str) -> NotebookNode:
-    """Run a notebook in place; `PluginError` where a cell shows a figure and has no image of it."""
+    """Run a notebook in place; raise `PluginError` if a cell that shows a figure has no image."""
     client = NotebookClient(
         book,
         kernel_name="python3",
@@ -119,12 +119,12 @@ def executed(book: NotebookNode, name: str) -> NotebookNode:
 
 
 def source_of(file: File) -> Path | None:
-    """Where a page's text is in the project; None for one that is made."""
+    """Return the path of a page's source in the project; None for a generated page."""
     return Path(file.abs_src_path).resolve() if file.abs_src_path else None
 
 
 def site_path(here: Path, link: str) -> str | None:
-    """Where in the site a link of a document leads; None where mkdocs follows it by itself."""
+    """Return the place in the site to which a link leads; None if mkdocs follows it by itself."""
     target = (here.parent / link).resolve()
     if "://" in link or link.startswith("mailto:") or not target.is_relative_to(ROOT):
         return None
@@ -137,6 +137,6 @@ def site_path(here: Path, link: str) -> str | None:
 
 
 def shown_as(path: Path) -> str:
-    """Name of a copied file: a browser shows text, whatever its language."""
+    """Return the name of a copied file; texts get ``.txt``, so that a browser shows them."""
     name = path.relative_to(ROOT).as_posix()
     return name if path.suffix in PICTURES else f"{name}.txt"

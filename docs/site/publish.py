@@ -22,7 +22,15 @@ from studies.frame.yaml_files import provenance
 
 
 def publish(results: Path, run: str, *further: str) -> Path:
-    """Store a run and what made it; `InputError` where a file lacks or is not as written."""
+    """Store files of a run and its origin; return their folder.
+
+    ``further`` are names of files besides those that are stored already.
+
+    Raises
+    ------
+    InputError
+        If no file is to be stored, or if one is missing or damaged.
+    """
     folder = folder_of(run)
     names = {path.name for path in folder.glob("*.*")} - {"origin.json"} | set(further)
     if not names:
@@ -36,7 +44,7 @@ def publish(results: Path, run: str, *further: str) -> Path:
     for name, found in sources.items():
         if not found:
             raise InputError(f"{results}: is not complete, {name} lacks")
-    origin = _origin(results, run)  # before a tracked file changes, which marks the commit
+    origin = _origin(results, run)  # now, as a changed file would mark the commit
     folder.mkdir(parents=True, exist_ok=True)
     for name, (source, *_) in sources.items():
         shutil.copyfile(source, folder / name)
@@ -45,14 +53,14 @@ def publish(results: Path, run: str, *further: str) -> Path:
 
 
 def _origin(results: Path, run: str) -> dict:
-    """What made results, by the first file of a study or experiment; else the present commit."""
+    """Return the origin of results: that in a file of joints, or else the present commit."""
     keys, made = merged_study(), None
     for path in (*sorted(results.glob("*.nc")), *sorted(results.glob("*/*.nc"))):
         with reading_netcdf(path) as dataset:
             if "configuration" in dataset.attrs:
                 made = dataset.attrs
                 break
-    stated = results / "tables/configuration.json"  # of a study: all of its keys
+    stated = results / "tables/configuration.json"  # all keys of a study
     if made:
         keys = json.loads(stated.read_text("utf-8") if stated.is_file() else made["configuration"])
     now = provenance(keys)

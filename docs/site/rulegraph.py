@@ -1,6 +1,6 @@
-"""Draw the rules of the paper's study, by Snakemake's own graph of them: docs/images/rules.svg.
+"""Draw Snakemake's graph of the rules of the paper's study: docs/images/rules.svg.
 
-`make docs` runs this. Without Graphviz (`apt-get install graphviz`) the stored picture stays.
+`make docs` runs this. Without Graphviz (`apt-get install graphviz`) the stored picture is kept.
 """
 
 import os
@@ -16,7 +16,7 @@ PICTURE = ROOT / "docs/images/rules.svg"
 def rule_graph() -> str:
     """Return the graph of the rules of the paper's study in the language of Graphviz."""
     command = [sys.executable, "-m", "snakemake", "--rulegraph", "--forceall"]
-    ordered = os.environ | {"PYTHONHASHSEED": "0"}  # Snakemake's sets have the same order each time
+    ordered = os.environ | {"PYTHONHASHSEED": "0"}  # so that Snakemake's sets always have one order
     answer = subprocess.run(
         command, cwd=ROOT, env=ordered, capture_output=True, text=True, check=False
     )

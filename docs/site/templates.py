@@ -1,4 +1,4 @@
-"""Write README.md and the pages of docs/ that are made of templates and stored results.
+"""Write README.md and the pages of docs/ that are made from templates and stored results.
 
     python docs/site/templates.py
 
@@ -26,7 +26,7 @@ STUDIES = {
     "measured": "measured_joints",
     "paper": "paper",
 }
-"""Pages that are about one study; the others are parts of docs/beyond.md."""
+"""Pages of single studies, with their folders; others are parts of docs/beyond.md."""
 NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
     "accuracy_requests", "assessment", "conclusions", "continuum", "effects_auto", "flow",
@@ -35,7 +35,7 @@ OLDER_SOLVER = (
     "numerics", "peers", "price_before", "readings_average", "registration", "size",
     "solver_speed", "strength_bound", "variance_reduction",
 )  # fmt: skip
-"""Stored runs of a solver before 5cfd014e, since when joints land on their maximum as they do.
+"""Stored runs of an older solver, before 5cfd014e, in which joints reached their maximum otherwise.
 
 With fixed steps mean net closures moved by 0.4 %, with resolved breakage by less than their errors;
 before ae58a9b0 resolved breakage had other steps, and before 0d329c6 fixed steps were others."""
@@ -44,7 +44,7 @@ Rows = list[dict]
 
 
 def folder_of(run: str) -> Path:
-    """Folder of the stored results of a run: of a study, or of a benchmark."""
+    """Return the folder of the stored results of a run of a study or a benchmark."""
     of_studies = list(ROOT.glob(f"studies/*/published/{run}"))
     if of_studies:
         return of_studies[0]
@@ -60,7 +60,7 @@ def stored(table: str) -> pd.DataFrame:
 
 
 def rows(table: str, query: str = "") -> Rows:
-    """Rows of a stored table; `ValueError` where the query chooses none."""
+    """Return the rows of a stored table that a query selects; `ValueError` if there are none."""
     chosen = stored(table).query(query, engine="python") if query else stored(table)
     if chosen.empty:
         raise ValueError(f"{table}: no row has {query}")
@@ -68,7 +68,7 @@ def rows(table: str, query: str = "") -> Rows:
 
 
 def groups(chosen: Iterable[dict], *names: str) -> list[tuple]:
-    """Rows by their values in columns, in the order of the table: (value, ..., rows)."""
+    """Group rows by their values in columns, in the order of the table: (value, ..., rows)."""
     chosen = list(chosen)
     keys = [tuple(row[name] for name in names) for row in chosen]
     return [
@@ -78,24 +78,24 @@ def groups(chosen: Iterable[dict], *names: str) -> list[tuple]:
 
 
 def ends(values: Iterable[float], form: str = "{:g}") -> str:
-    """Least and largest of some values."""
+    """Format the least and the largest of some values, or a single value."""
     least, *_, largest = sorted(values := [float(value) for value in values]) * 2
     return form.format(least) + (f" to {form.format(largest)}" if len(values) > 1 else "")
 
 
 def pm(row: dict, name: str, error: str = "", scale: float = 1.0) -> str:
-    """Value and standard error of a row, rounded to the error; empty where there is none."""
+    """Format a value of a row with its standard error, rounded by it; empty without a value."""
     value, doubt = row[name], row[error or f"{name}_error"]
     return "" if pd.isna(value) else rounded(scale * value, scale * doubt)
 
 
 def origin(run: str) -> dict:
-    """What made the stored results of a run."""
+    """Return the origin of the stored results of a run: commit, date, configuration."""
     return json.loads((folder_of(run) / "origin.json").read_text(encoding="utf-8"))
 
 
 def pages() -> dict[Path, Path]:
-    """Templates of all pages, by page."""
+    """Return the templates of all pages by page."""
     made = {ROOT / "docs" / path.stem: path for path in (ROOT / "docs/templates").glob("*.j2")}
     made |= {
         ROOT / f"docs/{page}.md": ROOT / f"studies/{study}/page.md.j2"
@@ -106,7 +106,7 @@ def pages() -> dict[Path, Path]:
 
 
 def made(template: Path) -> str:
-    """Page of a template."""
+    """Return the text of the page of a template."""
     jinja = Environment(
         loader=FileSystemLoader(ROOT),
         undefined=StrictUndefined,

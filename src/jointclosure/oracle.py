@@ -28,8 +28,9 @@ class PristineJoint(NamedTuple):
 
 
 class State(NamedTuple):
-    """State to be judged: walls and forces (y, x) [m, N], closure [m], reported total force [N],
-    and pairs (y, x) whose rock was crushed before this loading.
+    """State to be judged: walls [m] and forces [N] (y, x), closure [m], reported total force [N].
+
+    ``crushed`` (y, x) are the pairs whose rock was crushed before this loading.
     """
 
     upper: np.ndarray
@@ -82,7 +83,11 @@ def walls_rocks(rock):
 
 
 def curvature(z, h, largest_radius=None, concave="magnitude"):
-    """Compute Gaussian curvature (y, x) from circles through three points, mirrored at edges."""
+    """Compute the Gaussian curvature (y, x) [1/m] of heights ``z`` (y, x) [m] at spacing ``h`` [m].
+
+    The circles go through three points; heights are mirrored at edges. ``largest_radius`` [m]
+    bounds the Gaussian radius; with ``concave`` other than "magnitude" concave profiles are flat.
+    """
     padded = np.pad(z, 1, mode="reflect")
 
     def circle(before, here, after):
@@ -100,13 +105,13 @@ def curvature(z, h, largest_radius=None, concave="magnitude"):
 
 
 def peaks(z):
-    """Return cells strictly higher than all their neighbours."""
+    """Return a mask (y, x) of the cells that are strictly higher than all their neighbours."""
     around = maximum_filter(z, footprint=_NEIGHBOURS, mode="constant", cval=-np.inf)
     return z > around
 
 
 def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
-    """Compute E_a* of every pair, and 1/(1/E_t* + 1/E_b*) of the substrates."""
+    """Compute E_a* [Pa] of every pair (y, x), and 1/(1/E_t* + 1/E_b*) [Pa] of the substrates."""
     above, below = (r.youngs_modulus / (1 - r.poisson_ratio**2) for r in walls_rocks(rock))
     upper = np.where(upper_peaks, peak_modulus_ratio, 1.0) * above
     lower = np.where(lower_peaks, peak_modulus_ratio, 1.0) * below
@@ -114,10 +119,11 @@ def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
 
 
 def influence(shape, h, r, modulus):
-    """Compute displacement per unit force (y, x) at a distance in cells, Eqs. (17) to (20).
+    """Compute the displacement per unit force [m/N] at offsets (y, x) in cells, Eqs. (17) to (20).
 
-    It is 0 at distance 0. Up to ten base radii the printed form is used; beyond, where that loses
-    its digits, its hypergeometric series.
+    It is 0 at offset (0, 0). Spacing ``h`` and base radius ``r`` are in m, the modulus in Pa. Up
+    to ten base radii the printed form is used; beyond, where that loses its digits, its
+    hypergeometric series.
     """
     y, x = np.indices(shape)
     zeta = h * np.hypot(y, x)
@@ -132,7 +138,10 @@ def influence(shape, h, r, modulus):
 
 
 def interaction(force, h, r, modulus, at=None):
-    """Compute displacements (n,) by all other forces at flat indices; by default at all cells."""
+    """Compute displacements [m] by the forces (y, x) [N] of all other cells.
+
+    They are (n,) at the flat indices ``at`` (n,), or (y, x) at all cells.
+    """
     nx = force.shape[1]
     table = influence(force.shape, h, r, modulus)
     loaded = np.flatnonzero(force)
@@ -146,7 +155,7 @@ def interaction(force, h, r, modulus, at=None):
 
 
 def locked(upper, lower, tolerance=1e-11):
-    """Return pairs of which neither wall's cell has a lower neighbour."""
+    """Return a mask (y, x) of the pairs of which neither wall's cell has a lower neighbour."""
 
     def no_lower(z):
         around = minimum_filter(z, footprint=_NEIGHBOURS, mode="constant", cval=np.inf)
@@ -159,7 +168,7 @@ def forces_of_overlaps(overlap, compliance, substrate):
     """Compute forces (n,) [N] of contacts A F + B F^(2/3) = overlap >= 0 by bisection of F^(1/3).
 
     ``compliance`` B (n,) [m N^(-2/3)], ``substrate`` A [m/N]; forces are infinite if both are 0.
-    The root lies between a half and one of its value with only the stiffer term.
+    The root lies between half and all of the smaller of its values with one term alone.
     """
     without_substrate = np.full(overlap.size, np.inf)
     np.divide(overlap, compliance, out=without_substrate, where=compliance > 0)
@@ -202,7 +211,7 @@ def asperity_compliances(kappa, law: PairLaw):
 
 
 def overlaps_of(joint: PristineJoint, state: State, law: PairLaw):
-    """Return cells (n,) that overlap undeformed or carry force, flat, and delta_S of each [m]."""
+    """Return the cells (n,) that overlap undeformed or carry force, flat, and their delta_S [m]."""
     overlap = state.upper + state.lower - ((joint.upper + joint.lower).max() - state.closure)
     cells = np.flatnonzero((overlap > 0) | (state.force > 0))
     overlap = overlap.ravel()[cells]
@@ -216,8 +225,8 @@ def overlaps_of(joint: PristineJoint, state: State, law: PairLaw):
 def pressures_over_limit(joint: PristineJoint, state: State):
     """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall.
 
-    If strength is bounded by the base, at least the root of third order of the mean pressure over
-    the base, over two thirds of the limit: p0 goes with this root of the force.
+    If the base bounds the strength, the ratio is at least the cube root of 3/2 c F / (sigma_c pi
+    r^2), because p0 goes with the cube root of the force.
     """
     asperity, kappa = law_of(joint, state).asperity, _curvatures(joint, state)
     deformation = (9 * kappa * state.force**2 / (16 * asperity**2)) ** (1 / 3)
@@ -239,7 +248,7 @@ def _curvatures(joint: PristineJoint, state: State):
 
 
 def judge(joint: PristineJoint, state: State) -> Verdict:
-    """Recompute a state at rest only from its walls, forces and closure."""
+    """Compute the errors of a state at rest, whose equations are solved again."""
     force, law = state.force, law_of(joint, state)
     total = math.fsum(force.ravel())
     over_total = 1.0 / total if total > 0 else 0.0
@@ -275,8 +284,10 @@ def volume_change(before, after):
 
 
 def raised(before, after, gouge):
-    """Return the rise of a wall that nothing can cause, over its height range: that of any cell, or
-    of the highest with gouge, which raises no cell above the one from which it came.
+    """Return the largest rise of a wall that nothing can cause, over its range of heights.
+
+    Without gouge no cell can rise. With gouge no cell rises above the one whose material it
+    receives, so that only a rise of the highest height counts.
     """
     rise = float(after.max() - before.max() if gouge else (after - before).max())
     if rise <= 0.0:
@@ -286,7 +297,7 @@ def raised(before, after, gouge):
 
 
 def _excess(joint: PristineJoint, state: State) -> float:
-    """Return the largest excess over strength of a contact that can break."""
+    """Return the largest c p0/sigma_c - 1 of the contacts that can break, at least 0."""
     if not joint.effects.breakage:
         return 0.0
     load = pressures_over_limit(joint, state)

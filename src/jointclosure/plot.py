@@ -80,7 +80,7 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
-    """Draw net normal stiffness kn [MPa/mm] over stress."""
+    """Draw net normal stiffness kn [MPa/mm] over stress [MPa]."""
     axes = _axes(axes)
     draw_stiffness(axes, stress_table(_history(joint)))
     return axes
@@ -131,7 +131,8 @@ def walls(
 def aperture(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
     """Draw the distance of the deformed walls in a snapshot, with contacts in yellow.
 
-    ``joint`` was closed with ``snapshots``; ``snapshot`` is the index of one, by default the last.
+    ``joint`` was simulated with ``snapshots``; ``snapshot`` is the index of one, by default the
+    last. Raise `InputError` if the joint has no such snapshot.
     """
     return _state_map(axes, joint, snapshot, "aperture")
 
@@ -149,7 +150,7 @@ def damage(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
 
 
 def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axes:
-    """Draw one of `MAPS` of a snapshot, with its bar of colours; check the snapshot."""
+    """Draw one of `MAPS` of a snapshot, with its colour bar, if the joint has this snapshot."""
     history = _history(joint)
     axes = _axes(axes)
     count = history.sizes.get("snapshot", 0)
@@ -165,12 +166,12 @@ def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axe
 
 
 def _history(joint: Joint) -> xr.Dataset:
-    """Return the history of a joint, which a closed scanned joint contains."""
+    """Return the history of a joint, which a `ClosedJoint` contains."""
     return joint if isinstance(joint, xr.Dataset) else joint.history
 
 
 def _axes(axes: Axes | None) -> Axes:
     """Return axes, those of a new figure if none are given."""
-    import matplotlib.pyplot as plt  # the figures above say which extra is missing
+    import matplotlib.pyplot as plt  # the imports above name its extra if it is missing
 
     return plt.subplots(layout="constrained")[1] if axes is None else axes

@@ -23,12 +23,12 @@ SIZE = (4.2, 3.6)
 SMALL = 8.0
 """Size of the smallest letters [points]."""
 WORST = 8
-"""Joints that are shown, the worst ones."""
+"""Number of joints that are shown, the worst first."""
 LINEAR = 10.0
 """Percentage up to which the axes of effects are linear."""
 _MARKS = "sD^vP"
 _OFFSET = 1.05
-"""Ratio of times by which marks of two cycles stand apart."""
+"""Ratio of the times at which markers of two cycles are drawn, so that they do not overlap."""
 
 
 def pooled(table: pd.DataFrame) -> pd.DataFrame:
@@ -83,7 +83,7 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
 
 @styled
 def effects_panel(table: pd.DataFrame) -> Figure:
-    """Draw what each effect adds to the mean net closure, and costs, of `assessed_table`."""
+    """Draw what each effect adds to the mean net closure and to the time, of `assessed_table`."""
     shown = pooled(table[table.kind == EFFECTS])
     names = list(dict.fromkeys(shown.variant))
     measured = shown.dropna(subset="change_percent").astype({"cycle": int})
@@ -101,7 +101,7 @@ def effects_panel(table: pd.DataFrame) -> Figure:
                 names.index(name) + (apart if axes is panels[0] else 0.0) for name in rows.variant
             ]
             error = rows[f"{column}_standard_error"].fillna(0.0)
-            # what an effect adds is what its absence takes away
+            # an effect adds what is missing without it
             axes.errorbar(-rows[column], at, xerr=error, fmt="o", ms=4, lw=1.0, color=color)
             ends += [*(-rows[column] - error), *(-rows[column] + error)]
         left = axes is panels[0]

@@ -1,7 +1,8 @@
-"""Which joints the report of a study closes by variants, within a share of the study's time.
+"""Plan of the joints that are simulated by variants for the report of a study.
 
-It is decided from expected times only, so that the same configuration closes the same joints on
-every machine. Joints as the study closes them are not closed again: they are in its dataset.
+They take at most a share of the study's time. The plan follows from expected times only, so that a
+configuration has the same plan on every machine. Joints with the settings of the study are not
+simulated again: they are in its dataset.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,19 +22,19 @@ FEWEST = 2
 LEAST_SECONDS = 60.0
 """Expected processor time [s] that `FEWEST` joints may take although they exceed the share."""
 COSTLY = 5.0
-"""Time of a joint without an effect, over that of a joint of the study, beyond which it is closed
-only where the share allows all effects."""
+"""Largest cost of a joint without an effect, over that of a joint of the study, for which this
+variant is kept where the share does not allow all effects."""
 READ = (CLOSURE,)
 """Quantities that are read of the joints."""
 
 
 class AssessmentPlan(NamedTuple):
-    """Joints of base cases that are closed by variants.
+    """Joints of base cases that are simulated by variants.
 
     Attributes
     ----------
     stated : str
-        Variant as the study closes it.
+        Name of the variant with the settings of the study.
     ladder : tuple of str
         Settings of the numerics that are compared, the reference last.
     omitted : tuple of str
@@ -41,10 +42,11 @@ class AssessmentPlan(NamedTuple):
     joints : int
         Joints of each rock.
     points : dict
-        Points of each rock, one for each variant that is closed. None: the share does not allow
-        the fewest joints, which would also take more than `LEAST_SECONDS`.
+        Points of each rock, one for each variant that is simulated. Empty if even the fewest
+        joints would take more than the share, and more than `LEAST_SECONDS`.
     seconds, study_seconds : float
-        Expected processor time [s] of these joints, or of the fewest, and of the whole study.
+        Expected processor time [s] of these joints (of the fewest if there are no points), and of
+        the whole study.
     share : float
         Share of the time of the study that they may take [1].
     """
@@ -82,11 +84,11 @@ def _cost(conditions: Conditions) -> float:
 
 
 def planned(study: Configuration) -> AssessmentPlan | None:
-    """Return the joints that the report of a study closes; None where it is to close none.
+    """Return the plan of the joints for the report of a study; None without an assessment.
 
-    As many settings and effects are compared on two joints of every rock as the share allows, and
-    then as many joints are closed as it allows. If it does not allow two joints of every rock, it
-    is those of the first rocks.
+    First the largest scope of settings and effects is taken for which the share allows `FEWEST`
+    joints of every rock. Then as many joints are planned as the share allows. If it allows no scope
+    for every rock, the smallest scope is planned for the first rocks only.
     """
     section = study.section_or_none(AssessmentSection)
     if section is None:
@@ -101,7 +103,7 @@ def planned(study: Configuration) -> AssessmentPlan | None:
     def costs(scope: "_Scope") -> list[float]:
         return [scope.cost(given, again) for given in of_rocks.values()]
 
-    # rocks in which nothing breaks have one setting only
+    # a rock without breakage has only one setting of the numerics
     scopes = list(_scopes(max(of_rocks.values(), key=lambda given: len(_ladder_of(given)))))
     for scope in scopes:
         if FEWEST * sum(costs(scope)) <= allowed:
@@ -124,7 +126,7 @@ def planned(study: Configuration) -> AssessmentPlan | None:
 
 
 class _Scope(NamedTuple):
-    """Settings and effects that are compared."""
+    """Settings that are compared, and whether costly variants of effects are compared too."""
 
     stated: str
     ladder: tuple[str, ...]
@@ -132,7 +134,7 @@ class _Scope(NamedTuple):
     costly: bool
 
     def variants(self, given: Conditions, again: bool) -> dict[str, Conditions]:
-        """Return the variants of a rock that are closed, the stated one only if ``again``."""
+        """Return the variants of a rock to simulate, without the stated one unless ``again``."""
         stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
         most = COSTLY * _cost(given) if not self.costly else float("inf")
         shown = (*self.ladder, *(name for name in variants if name not in ladder))
@@ -151,7 +153,7 @@ class _Scope(NamedTuple):
     def points(
         self, study: Configuration, rock: str, joints: int, again: bool
     ) -> tuple[Point, ...]:
-        """Return the points of a rock."""
+        """Return the points of a rock, one for each variant, with ``joints`` realisations."""
         settings = settings_of(study, base_case(study, rock))
         settings = settings._replace(realizations=joints, effects_chosen_to=None)
         return tuple(
@@ -166,7 +168,11 @@ class _Scope(NamedTuple):
 
 
 def _scopes(given: Conditions) -> Iterator[_Scope]:
-    """Generate what can be compared, from all to the stated setting and one finer than it."""
+    """Generate scopes of comparison from the largest to the smallest.
+
+    The first has all settings and effects. Then settings are left out, until the stated one and one
+    that is finer remain, and finally the variants of effects that are costly.
+    """
     stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
     effects = [name for name in variants if name not in ladder]
     costly = [name for name in effects if _cost(variants[name]) > COSTLY * _cost(given)]

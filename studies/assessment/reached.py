@@ -1,4 +1,4 @@
-"""Tables of the assessment in the report of a study: what its numerics reached, and its effects."""
+"""Tables of the assessment in the report of a study: accuracy reached, effects, hard joints."""
 
 import json
 import math
@@ -27,13 +27,13 @@ from studies.frame.tables import in_words, succeeded
 from studies.paper.closures import estimate_columns
 
 ALL_ROCKS = "all rocks"
-"""Value of the column ``rock`` of what is pooled over the rocks; no key has a space."""
+"""Value of the column ``rock`` in rows of all rocks together; keys of rocks have no space."""
 SETTING, EFFECTS = "setting", "effects"
 """Kinds of variants."""
 MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
-"""States of effects whose change was not measured, or that the study left out."""
+"""States of an effect: off, left out by `effects.auto`, needed by the joints, not tested."""
 
 
 class _Closed(NamedTuple):
@@ -49,27 +49,27 @@ def assessed_table(
     plan: AssessmentPlan,
     effects: Mapping[str, Effects],
 ) -> pd.DataFrame:
-    """Tabulate differences of variants of the base cases, and what their joints take.
+    """Tabulate the differences of variants of the base cases, and the times of their joints.
 
     Parameters
     ----------
     study : Dataset
-        Joints as the study closed them.
+        Joints of the study.
     joints : mapping
         Joints of `plan`'s points by rock, along ``joint``.
     plan : AssessmentPlan
-        What was closed.
+        Plan by which the joints were simulated.
     effects : mapping
-        Effects that act in each rock, among which a study may have chosen.
+        Effects that the configuration states for each rock, before `effects.auto` leaves some out.
 
     Returns
     -------
     DataFrame
         A row per variant and cycle, of each rock and of all together (`ALL_ROCKS`): ``kind``
         (setting or effects), ``reference``, ``joints`` (n), ``change_percent`` of the mean net
-        closure since seating, ``seconds`` of a joint and ``time_percent``, the change of the time
-        from the joints of the study; with standard errors. ``state`` and ``reason`` say why
-        effects are not tested, or left out by the study.
+        closure since seating, ``seconds`` of a joint, and ``time_percent``, the change of the time
+        from that of the study's joints; with standard errors. ``state`` and ``reason`` are those
+        of effects that were not tested, that the study left out, or that its joints need.
     """
     chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
     closed = {rock: _closed(study, rock, part, plan) for rock, part in joints.items()}
@@ -97,7 +97,10 @@ def assessed_table(
 def _closed(
     study: xr.Dataset, rock: str, joints: xr.Dataset, plan: AssessmentPlan
 ) -> dict[str, _Closed]:
-    """Return the joints of a rock by variant, as far as closed; the settings by their accuracy."""
+    """Return the joints of a rock by variant, first the settings in the order of their accuracy.
+
+    The stated variant is taken from the dataset of the study unless it is among ``joints``.
+    """
     found = {}
     for variant in dict.fromkeys(joints.variant.values.tolist()):
         found[variant] = _of(joints.isel(joint=(joints.variant == variant).values))
@@ -105,7 +108,7 @@ def _closed(
         base = study.isel(case=int(np.flatnonzero(_is_base(study, rock))[0]))
         base = base.rename(realization="joint")
         closed = _of(base.isel(joint=slice(plan.joints)))
-        # the first joint of a job also loads the kernels
+        # the time of a job's first joint includes the loading of the kernels
         seconds = base.timing_simulation.values[1:]
         found = {plan.stated: closed._replace(seconds=seconds)} | found
     order = [name for name in plan.ladder if name in found]
@@ -125,7 +128,7 @@ def _of(joints: xr.Dataset) -> _Closed:
 def _rows(
     rock: str, variant: str, of_rocks: Sequence[dict[str, _Closed]], plan: AssessmentPlan
 ) -> Iterator[dict]:
-    """Generate the rows of a variant of some rocks, one for each cycle."""
+    """Generate the rows of a variant of one or several rocks together, one for each cycle."""
     setting = variant in plan.ladder
     reference = plan.ladder[-1] if setting else plan.stated
     pairs = [
@@ -156,14 +159,14 @@ def _rows(
 
 
 def _mean(samples: np.ndarray) -> Estimate:
-    """Return a mean with its standard error, NaN of fewer than two samples."""
+    """Return a mean with its standard error; the error of fewer than two samples is NaN."""
     if samples.size < 2:
         return Estimate(float(samples[0]) if samples.size else math.nan, math.nan)
     return mean_of(samples)
 
 
 def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
-    """Return the relative change of a mean (n,) from that of other joints (m,); 0 from itself."""
+    """Return the relative change of the mean of ``over`` (n,) from that of ``under`` (m,)."""
     if over is under:
         return Estimate(0.0, 0.0)
     one = _mean(over)
@@ -174,7 +177,7 @@ def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
 
 
 def _together(estimates: Sequence[Estimate]) -> Estimate:
-    """Return the mean of independent estimates."""
+    """Return the mean of independent estimates with its standard error."""
     values, errors = np.array(estimates).T
     return Estimate(float(values.mean()), float(np.linalg.norm(errors)) / len(estimates))
 
@@ -202,7 +205,7 @@ def _states(
 
 
 def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]) -> pd.DataFrame:
-    """Add states and reasons to the rows of variants, and rows of variants that were not closed."""
+    """Add states and reasons to the rows of variants, and rows of variants not simulated."""
     if len(rocks) > 1 and len(states):
         pooled = []
         for (variant, state, reason), part in states.groupby(
@@ -228,7 +231,7 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
 
 
 def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Say of effects without which joints fail that they are needed; n of them fail."""
+    """Set the state of effects without which joints fail to `NEEDED`, and count these joints."""
     fails = (table.kind == EFFECTS) & (table.failed > 0)
     total = table.joints + table.failed
     for place in table.index[fails & (table.state == "")]:
@@ -240,7 +243,7 @@ def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
 def cost_table(
     datasets: Sequence[xr.Dataset], joints: Mapping[str, xr.Dataset], plan: AssessmentPlan
 ) -> pd.DataFrame:
-    """Tabulate in one row how many joints were closed, and what they and the study took [s]."""
+    """Tabulate in one row the joints of the assessment, and their time and the study's [s]."""
     whole = float(sum(part.timing_simulation.sum() for part in datasets))
     seconds = float(sum(part.timing_simulation.sum() for part in joints.values()))
     row = {
@@ -270,7 +273,7 @@ def hardness_table(study: xr.Dataset) -> pd.DataFrame:
     Rows are joints, the worst first, at most `MOST_RANKED`: ``verdict``, ``reason``,
     ``unbreakable_percent`` (largest share of the force of all cycles), ``residual`` (largest of
     all steps), ``effort`` (breakage steps over the median of the case's rock). ``ranked`` is the
-    number of all joints, and `verdict_joints` that of joints with the same verdict.
+    number of all joints, and ``verdict_joints`` that of joints with the same verdict.
     """
     order = ("case", "realization")
     status = study.status.transpose(*order).values
@@ -302,7 +305,7 @@ def hardness_table(study: xr.Dataset) -> pd.DataFrame:
 
 
 def _reason(row: Mapping, group: int) -> str:
-    """Say what makes a joint hard."""
+    """Return in words what makes a joint hard; ``group`` is the place of its verdict."""
     share = (
         f"{percent(0.01 * row['unbreakable_percent'])} of the force on contacts that cannot break"
     )

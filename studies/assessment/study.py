@@ -45,16 +45,16 @@ _COLUMNS = 4
 _LARGEST_ROW = 5
 """Largest number of entries of a legend beside each other."""
 _LEAST_SPREAD = 1e-5
-"""Spread [1] at which smaller ones are drawn."""
+"""Spread [1] at which smaller spreads are drawn too."""
 _SETTINGS = "osD^v"
-"""Marks of the settings of the numerics."""
+"""Markers of the settings of the numerics."""
 _VERDICTS = {"easy": "o", "hard": "s", "not stable": "X"}
 
 
 def _panels(
     table: pd.DataFrame, titles: Mapping[str, str], panel: tuple
 ) -> Iterator[tuple[Axes, pd.DataFrame]]:
-    """Generate a panel for the closures of each condition, in one figure."""
+    """Generate axes and rows of closures for each condition; all axes are in one figure."""
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     conditions = list(grouped(shown, "rock", "jrc", "stress_MPa"))
     columns = min(len(conditions), _COLUMNS)
@@ -94,7 +94,7 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
 
 
 def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw errors [%] with intervals over seconds, hollow of gross closure, and the request."""
+    """Draw errors [%] over seconds, hollow for gross closure, and the request ``within`` [%]."""
     axes.axhspan(-within, within, color="0.9", lw=0.0, zorder=0)
     axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
     variants = list(dict.fromkeys(settings.variant))
@@ -172,7 +172,7 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
         styles |= {"hue_order": rocks, "style_order": list(_VERDICTS)}
         sns.scatterplot(joints, **marks, **styles, legend=False)
         axes.set_xscale("log")
-    decimal_ticks(right.xaxis)  # the spreads of copies span too many decades
+    decimal_ticks(right.xaxis)  # the left axis, of spreads, spans too many decades
     left.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
     left.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
     left.set(xlabel="scatter of net closure over copies that should be equal (%)")
@@ -193,7 +193,7 @@ _VALUES = ["value", "low", "high"]
 
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each condition and variant; copies are closed by the variant as stated."""
+    """Make a job for each condition and variant; copies of walls only by the stated variant."""
     section = study.section(AssessmentSection)
     jobs = {}
     for number, case in enumerate(_conditions(study, section)):
@@ -220,7 +220,7 @@ def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 
 def ladders_of(study: Configuration) -> dict[str, tuple]:
-    """Return the setting as stated, and those of the numerics by their accuracy, of each rock."""
+    """Return for each rock the name of the stated setting, and those of all, the finest last."""
     return {name: assessed_variants(base_case(study, name).conditions)[:2] for name in study.rocks}
 
 
@@ -236,7 +236,7 @@ def _conditions(configuration: Configuration, section: AssessmentSection) -> Ite
 
 
 def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterator[Walls]:
-    """Generate copies (`COPIES`) of the walls of a block, made or cut out of scans."""
+    """Generate the pairs of walls of a block, made or cut out of scans, as one of `COPIES`."""
     if settings.walls:
         about = settings.grid.spacing, settings.surface.jrc_relation, unusual_values
         pairs = cut_walls(_scanned(settings.walls, *about), settings)

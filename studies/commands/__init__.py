@@ -14,12 +14,12 @@ COMMANDS = {
 
 
 def existing(path: Path) -> Path:
-    """Return the path of a file of a finished study."""
+    """Return the path of a file of a finished study; raise `InputError` if there is none."""
     if not path.is_file():
         raise InputError(f"{path}: file not found; is the study finished?")
     return path
 
 
 def study_of(folder: Path) -> Path:
-    """Return the path of study.nc in a folder of results."""
+    """Return the path of study.nc in a folder of results; raise `InputError` if there is none."""
     return existing(folder / "study.nc")

@@ -25,7 +25,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the differences between two studies."""
+    """Print the differences between two studies; return 1 if ``--exact`` finds one, else 0."""
     folders = arguments.first, arguments.second
     first, second = (read_netcdf(study_of(folder)) for folder in folders)
     if arguments.exact:
@@ -62,9 +62,15 @@ MAY_DIFFER = ("provenance_", "timing_")
 def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     """Tabulate the change of mean closures of every case that both studies have.
 
-    For each case, cycle and target: the means [mm], the change in percent of the first mean, its
-    standard error, the number of realisations, and whether the surfaces are the same (compared by
-    seeds). The differences of equal surfaces are paired.
+    Columns are, by case, cycle and target (`TARGETS`): the two means [mm], the change and its
+    standard error [% of the first mean], the smaller number of realisations that succeeded, and
+    whether both studies have the same surfaces. Surfaces are compared by their seeds. If they are
+    the same, the differences are paired.
+
+    Raises
+    ------
+    ValueError
+        If the studies have no case in common.
     """
     shared = [name for name in first.case.values if name in set(second.case.values)]
     if not shared:
@@ -118,7 +124,7 @@ def surfaces_sentence(changes: pd.DataFrame) -> str:
 
 
 def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
-    """Average `closure_changes` by rock, cycle and target, with the spread over the cases."""
+    """Average `closure_changes` by rock, cycle and target, with the extremes over the cases."""
     groups = changes.groupby(["rock", "cycle", "target"], sort=False)
     return groups.agg(
         cases=("case", "size"),
@@ -132,7 +138,7 @@ def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """List all differences between two datasets except in provenance and timing."""
+    """List all differences between two datasets except in provenance and timing, one line each."""
     messages = []
     for kind, one, two in (
         ("attribute", first.attrs, second.attrs),
@@ -151,7 +157,7 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
 
 
 def _difference(one: xr.Variable, two: xr.Variable) -> str:
-    """Return where two variables differ, empty if they have the same bits and attributes."""
+    """Describe how two variables differ; "" if they have the same bits and attributes."""
     numbers = one.dtype.kind in "iuf"
     if one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes()):
         return ""

@@ -33,7 +33,10 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the tables."""
+    """Write a CSV table for each named case (default: base cases).
+
+    Columns are closure, normal stiffness and apertures over stress (`band_table`).
+    """
     folder = arguments.output or arguments.results / "engineering"
     with reading_netcdf(study_of(arguments.results)) as study:
         known = study.case.values.tolist()
@@ -52,10 +55,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def band_table(case: xr.Dataset) -> pd.DataFrame:
-    """Tabulate closure, stiffness, apertures of the joints of a case by cycle, branch, stress.
+    """Tabulate closure, stiffness and apertures of a case by cycle, branch and stress.
 
-    Each has a mean, that of stiffnesses harmonic, and quantiles (``<name>_mean``, ``<name>_q05``)
-    of ``samples`` joints. Stiffnesses are those of `stress_table`, NaN beyond ``landing_stress``.
+    Each quantity has a mean (``<name>_mean``) and quantiles (such as ``<name>_q05``) over the
+    ``samples`` joints that succeeded. The mean of stiffnesses is harmonic. Stiffnesses are computed
+    as those of `stress_table`; on loading they are NaN at stresses beyond ``landing_stress``.
     """
     good = case.where(succeeded(case))
     landing = good.landing_stress.where(good.branch == LOADING, np.inf)
@@ -74,14 +78,14 @@ def band_table(case: xr.Dataset) -> pd.DataFrame:
     columns = {"samples": np.isfinite(good.closure).sum("realization")}
     if (
         "hydraulic_aperture" in good
-    ):  # those of which only bounds of the flow are known are left out
+    ):  # joints for which only bounds of the flow are known are left out
         for direction in good.direction.values:
             known = np.isfinite(good.hydraulic_aperture.sel(direction=direction, drop=True))
             columns[f"samples_of_flow_{direction}"] = known.sum("realization")
     for name, values in fields.items():
         known = np.isfinite(values).any("realization")
         filled = values.where(known, 0.0)  # a quantile of no numbers would warn
-        if name.startswith("normal_stiffness"):  # that of the mean curve
+        if name.startswith("normal_stiffness"):  # the stiffness of the mean curve
             mean = 1.0 / (1.0 / values).mean("realization")
         else:
             mean = filled.mean("realization")
@@ -94,7 +98,7 @@ def band_table(case: xr.Dataset) -> pd.DataFrame:
 
 
 def _stiffness(closure: xr.DataArray, end: xr.DataArray) -> xr.DataArray:
-    """Return the stiffness [MPa/mm] of curves of closure [m] over stress, up to an end [Pa]."""
+    """Return the stiffness [MPa/mm] of closure curves [m]; NaN at stresses beyond ``end`` [Pa]."""
     stress = closure.stress.values
 
     def slopes(curve: np.ndarray, end: float) -> np.ndarray:

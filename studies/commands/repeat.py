@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _realizations(results: Path, ensembles: Mapping[str, Configuration], ensemble: str) -> int:
-    """Return the realisations of each case; those of a requested accuracy are in its plans."""
+    """Return the number of realisations of each case; with a requested accuracy, of its plans."""
     if ensemble == "pool" or ensembles["cases"].study.accuracy is None:
         return ensembles[ensemble].study.realizations
     plans = (json.loads(read_text(file)) for file in results.glob("accuracy/round_*.json"))
@@ -85,7 +85,7 @@ def _realizations(results: Path, ensembles: Mapping[str, Configuration], ensembl
 
 
 def _walls(results: Path, study: Configuration, point: Point) -> Iterator[Walls]:
-    """Generate the walls of a point, from their seeds or cut out of scanned ones."""
+    """Generate the walls of a point: made from seeds, or cut out of the rock's scanned walls."""
     rock = point.settings.case.rock
     if not study.rocks[rock].walls:
         return walls_of(point.settings)
@@ -93,7 +93,7 @@ def _walls(results: Path, study: Configuration, point: Point) -> Iterator[Walls]
 
 
 def _stored(folder: Path, label: str, number: int) -> xr.Dataset | None:
-    """Read a realisation of a case, of the file that has it; None if there is none."""
+    """Read a realisation of a case from the file that has it; None if no file has it."""
     for file in sorted(folder.glob(f"{label}.*.nc")):
         joints = read_netcdf(file)
         places = np.flatnonzero(joints.realization.values == number)

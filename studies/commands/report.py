@@ -28,7 +28,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the page."""
+    """Write the page of a study; raise `InputError` if one of its files is missing."""
     folder = arguments.results
     output = arguments.output or folder / "report.html"
     for name in _NEEDED:
@@ -44,9 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def report_page(study: xr.Dataset, tables: Iterable[str], figures: Iterable[str]) -> str:
-    """Return the page of a study, without further files.
+    """Return the page of a study as HTML that needs no further file.
 
-    ``tables`` and ``figures`` are files; configuration.json must be among the tables.
+    ``tables`` and ``figures`` are paths of files; configuration.json must be among the tables.
     """
     with needs("report", "a report"):
         from studies.paper.report.content import Material, content

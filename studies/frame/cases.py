@@ -25,13 +25,17 @@ from studies.frame.settings import (
 )
 
 BLOCK, FEW = 10, 4
-"""Surfaces that are added at a time to reach an accuracy, and those of the finest numerics."""
+"""Realisations in a block of a requested accuracy: with the study's and the finest numerics."""
 JOB_SECONDS = 300.0
-"""Processor time that a job which closes joints takes, about and at most."""
+"""Approximate processor time [s] of a job that simulates joints."""
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:
-    """Return names of ascending levels: low, base, high, or level_1 to level_k and base."""
+    """Return the names of ascending levels.
+
+    Three levels around the base are low, base and high. Otherwise level i of k (from 1) is level_i,
+    except for the base.
+    """
     if len(levels) == 3 and levels[1] == base:
         return ["low", BASE, "high"]
     return [BASE if level == base else f"level_{i + 1}" for i, level in enumerate(levels)]
@@ -64,7 +68,7 @@ def cases_of(study: Configuration) -> list[Case]:
 
 
 def pool_of(whole: Configuration) -> Configuration:
-    """Return the configuration of a pool: all cases of a study on common surfaces of its own."""
+    """Return the configuration of the pool: all cases of a study on the same further surfaces."""
     study = whole.study
     return whole._replace(
         study=study._replace(
@@ -78,7 +82,11 @@ def pool_of(whole: Configuration) -> Configuration:
 
 
 def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
-    """Return the ensembles of a study by folder of their files: cases, finest numerics, pool."""
+    """Return the configurations of a study's ensembles by the folder of their files.
+
+    ``cases`` is the study itself. ``finest`` (finest numerics, no effect left out, no
+    flow) is added for a requested accuracy, and ``pool`` for a study with a pool.
+    """
     study = whole.study
     ensembles = {"cases": whole}
     if study.accuracy:
@@ -94,21 +102,22 @@ def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
 
 
 def dataset_of(ensemble: str) -> str:
-    """Return the file of an ensemble's dataset in the folder of the study."""
+    """Return the name of the file of an ensemble's dataset in the folder of the study."""
     return "study.nc" if ensemble == "cases" else f"{ensemble}.nc"
 
 
 def wall_name(study: Study, case: Case) -> tuple[str, ...]:
-    """Return the name, without any index, from which the seeds of a case's surface pairs derive."""
+    """Return the name from which, with a realisation's number, the seed of its walls derives."""
     name = study.surfaces_of or study.name, case.rock
     return (*name, case.parameter, case.level) if study.draws == "independent" else name
 
 
 def blocks_of(whole: Configuration, realizations: int | None = None) -> list[range]:
-    """Split the realisations of every case into the blocks of jobs.
+    """Split the realisations of every case into blocks, one for each job.
 
-    Blocks have the stated number of realisations, or else one that takes about `JOB_SECONDS`. Those
-    of a requested accuracy, which adds ``realizations``, do not change when some are added.
+    Blocks have ``study.realizations_per_job`` realisations. If this is null, they take about
+    `JOB_SECONDS`. For a requested accuracy, which gives a growing number of ``realizations``, they
+    then have `BLOCK` realisations (`FEW` with the finest numerics): complete blocks do not change.
     """
     study = whole.study
     last = realizations or study.realizations
@@ -121,9 +130,10 @@ def blocks_of(whole: Configuration, realizations: int | None = None) -> list[ran
 
 
 def expected_seconds(whole: Configuration) -> float:
-    """Return roughly the processor time [s] of a joint, by which work is split over jobs.
+    """Return roughly the processor time [s] of a joint of the rock whose effects cost most.
 
-    A factor of three more or less changes only how long the jobs are.
+    Realisations are split over jobs by this time. An error by a factor of three changes only the
+    length of the jobs.
     """
     scenes = (rock.effects for rock in whole.rocks.values())
     return seconds_by_paper(whole) * max(relative_cost(one, whole.numerics) for one in scenes)
@@ -139,7 +149,7 @@ def seconds_by_paper(whole: Configuration) -> float:
 
 
 def closed_keys(keys: dict) -> dict:
-    """Return the keys of a configuration that may change closures: no others are in their file."""
+    """Return the keys on which closures may depend; only these are stored with the closures."""
     without = {"output": "wall_strength_ratio", "study": "accuracy"}
     parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
     # the title of a rock changes no closure, and rocks that the study has not change nothing
@@ -150,7 +160,7 @@ def closed_keys(keys: dict) -> dict:
 
 
 def wall_digests(walls: ScannedWalls) -> dict[str, str]:
-    """Return the SHA-256 of the files of scanned walls, which depends on their content only."""
+    """Return the SHA-256 of the content of the files of scanned walls, by side."""
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
@@ -165,7 +175,7 @@ def synthesis(study: Configuration) -> Synthesis:
 
 
 def block_settings(study: Configuration, case: Case, block: range) -> ClosureSettings:
-    """Settings of the closures of a case and a block of realisations."""
+    """Return the settings of the joints of a case and a block of realisations."""
     walls = study.rocks[case.rock].walls
     return ClosureSettings(
         case=case,
@@ -184,7 +194,7 @@ def block_settings(study: Configuration, case: Case, block: range) -> ClosureSet
 
 
 def first_with_surfaces(whole: Configuration, cases: Mapping[str, Case]) -> dict[str, str]:
-    """Return by label the first case whose surfaces each case has too."""
+    """Return for each label of a case the label of the first case with the same surfaces."""
     first: dict[str, str] = {}
     return {
         label: first.setdefault(

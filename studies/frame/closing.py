@@ -1,4 +1,4 @@
-"""Closure of the joints of a study: of its cases, its pool, and the points of its experiments."""
+"""Simulation of the joints of a study: its cases, its pool, and the points of its experiments."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -20,7 +20,10 @@ ALWAYS = ("status", "timing_simulation")
 
 
 def reading_of(settings: ClosureSettings, names: Iterable[str]) -> Reading:
-    """Return what is read of the joints of a point; curves at the stresses of the study [Pa]."""
+    """Return the quantities (``names`` and `ALWAYS`) that are read of the joints of a point.
+
+    Curves are read at the stresses [Pa] of the study; without a curve there are no stresses.
+    """
     names = tuple(dict.fromkeys((*ALWAYS, *names)))
     curves = any("stress" in QUANTITIES[name].dims for name in names)
     stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
@@ -41,14 +44,15 @@ def close_joints(
     Parameters
     ----------
     point : Point
-    walls : iterable of (upper, lower)
+    walls : iterable of (upper, lower) or CrushedWalls
         Heights (y, x) [m] of each realisation, towards the other wall.
     names : iterable of str
         Quantities to read, of `QUANTITIES`.
     report : callable
         Called with a line for each joint.
     closed : mapping
-        Joints that are closed already under these conditions, by the seed of their walls.
+        Rows of joints already simulated under these conditions, by the seed of their walls (32
+        hexadecimal digits).
     repeat : str
         Command that repeats a realisation, without its number; for the log.
 
@@ -56,7 +60,7 @@ def close_joints(
     -------
     Dataset
         Quantities [SI] over ``joint``, with ``realization``, the coordinates of the point and
-        ``seed``. A failed joint has a status of 16 or more, and NaN.
+        ``seed``. A failed joint has a status of 16 (`FAILURE`) or more, and NaN.
     """
     rows = list[Row]()
     first = point.settings.first_realization
@@ -81,9 +85,9 @@ def close_points(
     report: Report = lambda line: None,
     walls: Sequence[Walls] | None = None,
 ) -> xr.Dataset:
-    """Close the joints of several points, as `close_joints`.
+    """Close the joints of several points, and join them along ``joint``; see `close_joints`.
 
-    Each point makes its walls, unless ``walls`` of all points are given.
+    Each point makes its walls. If ``walls`` are given, every point has these.
     """
     parts = []
     for point in points:
@@ -101,7 +105,7 @@ def close_points(
 
 
 def joined_rows(rows: Sequence[Row], point: Point, reading: Reading) -> xr.Dataset:
-    """Join rows of the first joints of a point along ``joint``, with their coordinates."""
+    """Join rows of the first realisations of a point along ``joint``, with their coordinates."""
     numbers = point.settings.first_realization + np.arange(len(rows))
     seeds = np.array([f"{seed:032x}" for seed in seeds_of(point.settings)][: len(rows)], object)
     joints = stacked(rows, numbers, seeds, reading)
@@ -116,12 +120,12 @@ def joined_rows(rows: Sequence[Row], point: Point, reading: Reading) -> xr.Datas
 
 
 def _column(value: Any, count: int) -> np.ndarray:
-    """Return a value for each of some joints; texts as objects."""
+    """Return an array (count,) of one value; texts are objects."""
     return np.full(count, value, dtype=object if isinstance(value, str) else None)
 
 
 def _described(row: Row, again: str) -> str:
-    """Describe a joint: its status, time, and closures or how to repeat it."""
+    """Describe a joint: its status and time, and its closures, or how to repeat a failed one."""
     about = f"status {int(row['status'])}, {row['timing_simulation']:.2f} s"
     if row["status"] >= FAILURE:
         return f"{about}, failed{again}"
@@ -132,9 +136,10 @@ def _described(row: Row, again: str) -> str:
 
 
 def under_chosen(point: Point, pilot: xr.Dataset) -> tuple[Point, dict[str, Row]]:
-    """Return a point with the effects that a pilot chose, and its joints that are closed already.
+    """Return a point with the effects that were chosen for its rock, and joints simulated already.
 
-    Joints of the pilot are those of one case only; of other cases none is taken.
+    ``pilot`` is the dataset of `choose_effects`, whose joints are those of one case. They are
+    returned as rows by seed if the point is of this case; for other cases there are none.
     """
     effects = Effects(**json.loads(pilot.attrs["chosen"])["effects"])
     settings = point.settings.under(effects=effects)

@@ -25,17 +25,17 @@ _Section = TypeVar("_Section", bound="StudySection")
 
 
 class StudySection(keys.Section):
-    """Section of one experiment, in the module ``section`` of its folder, whose name it has."""
+    """Section of an experiment: defined in ``section.py`` of its folder, named as the folder."""
 
     mates: ClassVar[bool] = False
-    """Whether it sets how far walls mate, so that the study must not."""
+    """Whether the experiment sets how far walls mate, so that the study must not."""
     by_default: ClassVar[bool] = False
-    """Whether its keys have their defaults where it is left out; others are null then."""
+    """Whether a section that is left out has its default keys; otherwise it is null."""
     of_scans: ClassVar[bool] = False
-    """Whether walls may be scanned; others draw walls of given JRC."""
+    """Whether the experiment takes scanned walls; otherwise it makes walls of a given JRC."""
 
     def problems(self, configuration: "Configuration") -> Iterator[str]:
-        """Generate contradictions within the section, and with the study; one line each."""
+        """Generate contradictions within the section and with the study, one line each."""
         yield from ()
 
 
@@ -69,7 +69,7 @@ class Configuration(keys.Section):
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
-        """Take the rocks of the study in its order, and what other sections leave open."""
+        """Keep the study's rocks in its order, and fill in values that follow from other keys."""
         if unknown := [name for name in self.study.rocks if name not in self.rocks]:
             allowed = f"must be one of rocks ({', '.join(self.rocks)})"
             meant = {name: keys.did_you_mean(name, self.rocks) for name in unknown}
@@ -127,7 +127,7 @@ class Configuration(keys.Section):
 
 @functools.cache
 def sections() -> dict[str, type[StudySection]]:
-    """Return the sections of experiments by the folder of the experiment."""
+    """Return the classes of the experiments' sections by the name of the experiment's folder."""
     for path in Path(__file__).parents[1].glob("*/section.py"):
         import_module(f"studies.{path.parent.name}.section")
     found = sorted(StudySection.__subclasses__(), key=folder_of)
@@ -155,12 +155,12 @@ USUAL = parameters.USUAL | {"stress": parameters.USUAL["max_normal_stress"]}
 
 
 def merged_study(*paths: Path) -> dict:
-    """The default configuration and files over it, not yet checked."""
+    """Merge configuration files over the default configuration, without checking the result."""
     return merged(*(written_out(read_plain(path)) for path in (DEFAULT, *paths)))
 
 
 def written_out(stated: dict) -> dict:
-    """Keys whose ``effects: auto`` is written out: those of the full model, chosen to 2 %."""
+    """Return the keys with ``effects: auto`` replaced by all effects and `AUTO_TOLERANCE`."""
     if stated.get("effects") != "auto":
         return stated
     effects = parameters.Effects()._asdict() | {"auto": parameters.AUTO_TOLERANCE}
@@ -175,7 +175,10 @@ def configured(stated: dict) -> Configuration:
 
 
 def resolved(stated: dict) -> Configuration:
-    """Read keys without contradictions, as those in the file of a study."""
+    """Read keys in SI, without a search for contradictions between them.
+
+    Keys that are stored with a study have been searched. `ConfigurationError` names wrong keys.
+    """
     study = keys.validated(model(), stated)
     study._stated = stated
     return study
@@ -271,7 +274,7 @@ def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterato
 
 
 def _unusual(stated: dict, where: str = "") -> Iterator[str]:
-    """Generate messages on values that are unusual for rock and its joints."""
+    """Generate a message for each value that is unusual for rock; ``where`` precedes its key."""
     for key, value in stated.items():
         name, unit = name_and_unit(key)
         if isinstance(value, dict):

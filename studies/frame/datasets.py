@@ -1,4 +1,4 @@
-"""Datasets of a study: all cases of an ensemble joined, and checks of what is read of them."""
+"""Datasets of a study: files of joints, checked and joined over all cases of an ensemble."""
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -9,40 +9,36 @@ import xarray as xr
 
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.status import FAILURE
+from jointclosure.storage.files import digest
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
-from studies.frame.settings import (
-    Case,
-    ForeignFileError,
-    Point,
-    digest,
-    foreign,
-    read_checked,
-    reading_checked,
-)
+from studies.frame.checked_files import ForeignFileError, foreign, read_checked, reading_checked
+from studies.frame.settings import Case, Point
 from studies.frame.tables import join_cases
 
 ROWS = 256
-"""Realisations in memory at a time, and compressed together."""
+"""Largest number of realisations in memory at a time; so many are compressed together."""
 CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
 """Curves over stress: nine tenths of the numbers of a study."""
 
 
 def joints_key(point: Point, code: str) -> str:
-    """Return the digest of all that the joints of a point depend on, whatever their number.
+    """Return the digest of all that the joints of a point depend on except their realisations.
 
-    ``code`` is the digest of the code that closes them.
+    ``code`` is the digest of the code that simulates them.
     """
     settings = point.settings._replace(first_realization=0, realizations=0)
     return digest(point._replace(settings=settings), code)
 
 
 def case_in(path: str | Path, joints: xr.Dataset, keys: Mapping[str, str]) -> str:
-    """Return the case of joints in a file by their key; ``keys`` are those of `joints_key`.
+    """Return the label of the case to which the joints in a file belong.
+
+    ``keys`` has the `joints_key` of each case by its label.
 
     Raises
     ------
     ForeignFileError
-        If they are of no case of this study.
+        If the joints belong to no case of this study.
     """
     for label, key in keys.items():
         if joints.attrs.get("key") == key:
@@ -51,14 +47,14 @@ def case_in(path: str | Path, joints: xr.Dataset, keys: Mapping[str, str]) -> st
 
 
 def check_complete(files: Mapping[str, str], realizations: Mapping[str, Sequence[int]]) -> int:
-    """Return the number of realisations, from 0, if each case has each of them in one file.
+    """Return the number of realisations; check that each case has each of them in one file.
 
     Parameters
     ----------
     files : mapping
-        Case of each file.
+        Label of the case of each file.
     realizations : mapping
-        Realisations in each file.
+        Numbers of the realisations in each file, from 0.
 
     Raises
     ------
@@ -86,7 +82,7 @@ def check_complete(files: Mapping[str, str], realizations: Mapping[str, Sequence
 
 
 def of_case(joints: xr.Dataset) -> xr.Dataset:
-    """Return joints of one case over their realisations."""
+    """Return joints of one case along ``realization``, without the coordinates of the case."""
     joints = joints.drop_vars(["case", "rock", "parameter", "level", "value", "cycles"])
     return joints.swap_dims(joint="realization")
 
@@ -120,6 +116,8 @@ def write_ensemble(
     ------
     ForeignFileError
         If a file is not of this study, or if the cases do not have the same realisations.
+    DamagedFileError
+        If a file is not as it was written.
     """
     places = {case.label: place for place, case in enumerate(cases)}
     scenes = [""] * len(cases)
@@ -155,9 +153,10 @@ def write_ensemble(
 
 
 def chosen_effects(files: Iterable[str], keys: Mapping[str, str]) -> str:
-    """Return JSON of the effects that were chosen, by rock, of files of `choose_effects`.
+    """Return the effects that were chosen for each rock as JSON.
 
-    The name of a file is that of its rock; errors are as for `read_checked` with the key of it.
+    ``files`` are those of `choose_effects`, named by rock; ``keys`` are the keys of the files by
+    rock. Errors are as for `read_checked`.
     """
     chosen = {}
     for file in files:

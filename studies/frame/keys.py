@@ -30,7 +30,7 @@ _Keys = TypeVar("_Keys", bound=BaseModel)
 
 
 def must(words: str, holds: Callable[[Any], bool]) -> AfterValidator:
-    """Return the annotation of a value for which something must hold, in words."""
+    """Return the annotation of a value for which ``holds`` must be true; ``words`` state it."""
 
     def checked(value: Any) -> Any:
         if not holds(value):
@@ -58,9 +58,10 @@ Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
 
 
 def entry(description: str, default: Any = ..., *, alias: str | None = None, **about: Any) -> Any:
-    """Declare a key: what it is, its default [SI], and arguments of `pydantic.Field`.
+    """Declare a key: its description, its default [SI], and arguments of `pydantic.Field`.
 
-    ``alias`` is its name in files where that ends in a unit; bounds are in this unit.
+    ``alias`` is its name in files if this differs, as by a unit at its end. Bounds are in that
+    unit, and values are converted to SI once they are checked.
     """
 
     def in_si(value: Any) -> Any:
@@ -84,7 +85,10 @@ class Section(BaseModel):
 
 
 def keys_of(fields: Any, **units: str) -> Any:
-    """Return a section with a key for each field of choices or numerics, of some units."""
+    """Return a section with a key for each field of `Choices` or `Numerics`.
+
+    ``units`` are the units of keys by the name of the field.
+    """
     keys: dict[str, Any] = {}
     for name, text in documented(fields).items():
         kind = get_type_hints(fields)[name]
@@ -99,7 +103,7 @@ def keys_of(fields: Any, **units: str) -> Any:
 
 
 def made_of(section: type[Section]) -> GetPydanticSchema:
-    """Return the annotation of a named tuple that is read as a section with keys of its fields."""
+    """Return the annotation of a named tuple that is read from a section with the same names."""
 
     def schema(kind: Any, handler: Any) -> Any:
         return core_schema.no_info_after_validator_function(
@@ -112,7 +116,7 @@ def made_of(section: type[Section]) -> GetPydanticSchema:
 
 
 OR_NULL = GetPydanticSchema(lambda kind, handler: core_schema.nullable_schema(handler(kind)))
-"""Annotation of a value that is null in a file until the section is read as a whole."""
+"""Annotation of a value that may be null in a file; reading the section replaces null."""
 
 
 class Accuracy(Section):
@@ -299,14 +303,14 @@ class Output(Section):
 
 @functools.cache
 def json_schema(keys: type[BaseModel]) -> dict:
-    """Return the JSON schema of a model of keys, without references and required keys."""
+    """Return the JSON schema of a model of keys, without references; no key is required."""
     whole = keys.model_json_schema()
     about = _written_out(whole, whole.pop("$defs", {}))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | about
 
 
 def _written_out(schema: dict, parts: dict) -> dict:
-    """Return a schema with its references inserted, and null or missing values in one form."""
+    """Return a schema with references to ``parts`` inserted, and alternatives merged into one."""
     if "$ref" in schema:
         schema = parts[schema["$ref"].rpartition("/")[2]] | schema
     left_out = ("$ref", "title", "default", "required")  # a file overrides defaults
@@ -330,7 +334,10 @@ def _written_out(schema: dict, parts: dict) -> dict:
 
 
 def validated(keys: type[_Keys], settings: dict, what: str = "configuration") -> _Keys:
-    """Read settings by a model of keys; `ConfigurationError` names each key that is wrong."""
+    """Read settings by a model of keys; `ConfigurationError` names each key that is wrong.
+
+    ``what`` begins the message of the error.
+    """
     refuse(_not_readable(settings), what)
     try:
         return keys.model_validate(settings)
@@ -340,7 +347,7 @@ def validated(keys: type[_Keys], settings: dict, what: str = "configuration") ->
 
 
 def _not_readable(settings: object, path: tuple[str, ...] = ()) -> Iterator[str]:
-    """Generate the texts and numbers that no table, figure or file name can hold, one line each."""
+    """Generate a message for each text or number that no table, figure or file name can hold."""
     where = ".".join(path)
     if isinstance(settings, dict):
         for key, value in settings.items():
@@ -358,18 +365,18 @@ def _not_readable(settings: object, path: tuple[str, ...] = ()) -> Iterator[str]
 
 
 def _hidden(text: str) -> str:
-    """Return the first character that does not show, such as a line break or \\0; "" if all do."""
+    """Return the code point of the first invisible character, such as a line break; "" if none."""
     hidden = (c for c in text if not c.isprintable() and unicodedata.category(c) != "Zs")
     return next((f"U+{ord(character):04X}" for character in hidden), "")
 
 
 def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[str]:
-    """Generate the problems that a model of keys found in settings, one line for each key."""
+    """Generate a message for each key in which pydantic ``found`` errors."""
     by_key: dict[tuple, list] = {}
     lists = {problem["loc"][:-1] for problem in found}
     for problem in found:
         if problem["type"] == "too_short" and problem["loc"] in lists:
-            continue  # wrong values are not counted
+            continue  # the list is too short only because wrong values do not count
         path = _path(problem["loc"], settings)
         missing = problem["type"] == "missing"
         # one line for all missing keys of a section
@@ -396,7 +403,10 @@ def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[st
 
 
 def _path(location: tuple, settings) -> tuple:
-    """Return the existing keys of a pydantic location, and the last one, without names of types."""
+    """Return the path of keys in settings of the location of a pydantic error.
+
+    Parts of the location that name types are left out. The last key may be missing in settings.
+    """
     path = []
     value = settings
     for number, part in enumerate(location):
@@ -411,14 +421,14 @@ def _path(location: tuple, settings) -> tuple:
 
 
 def _allowed(error: dict) -> str:
-    """Say what is allowed, more clearly than pydantic where it can be."""
+    """Return what is allowed in place of a value, in words; pydantic's where these are clear."""
     kind = error["type"]
     about = error.get("ctx", {})
     value = error["input"]
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", about["expected"])
         return f"must be one of {', '.join(words)}{did_you_mean(value, words)}"
-    if kind == "value_error":  # of a library's check: name = value: what is allowed
+    if kind == "value_error":  # of a check of the package: "name = value: what is allowed"
         return str(about["error"]).rpartition(": ")[2]
     if kind == "model_type":
         return "must contain keys and values"

@@ -18,7 +18,7 @@ from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, ticks
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _KEY, _LETTER = 0.7, 0.07
-"""Widths [inches] of an entry of a legend without its words, and of a letter."""
+"""Widths [inches] of an entry of a legend without its text, and of a letter."""
 
 
 def key(label: str, **style) -> Line2D:
@@ -34,7 +34,11 @@ def point_key(label: str, marker: str = "o", **style) -> Line2D:
 def legend_below(
     figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings: Any
 ) -> None:
-    """Put a legend below all axes, by default in as few rows as fit; narrow figures are widened."""
+    """Put a legend below all axes.
+
+    It has ``columns``, or by default as many as fit into the width; a figure that is narrower than
+    one column is then widened. ``settings`` are those of `Figure.legend`.
+    """
     settings |= {"ncols": columns or _fitting(handles, figure.get_figwidth()), "frameon": False}
     if columns is None:
         figure.set_figwidth(max(figure.get_figwidth(), _width(handles)))
@@ -56,7 +60,7 @@ def _fitting(handles: Sequence[Artist], width: float) -> int:
 
 
 def keys_of(panels: Iterable[Axes]) -> list[Artist]:
-    """Return the first legend entry of every label in the panels."""
+    """Return one legend entry for each different label in the panels."""
     entries: dict[str, Artist] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -65,7 +69,10 @@ def keys_of(panels: Iterable[Axes]) -> list[Artist]:
 
 
 class Row(NamedTuple):
-    """Values of a row of panels: columns of a table, and settings of the axes."""
+    """Row of panels: its label, a table, and the columns of values and of their standard errors.
+
+    ``axes`` are arguments of `Axes.set`.
+    """
 
     label: str
     table: pd.DataFrame
@@ -75,10 +82,11 @@ class Row(NamedTuple):
 
 
 class PanelColumn(NamedTuple):
-    """Columns of tables: coordinate ``along`` a column of panels, and what has ``lines`` by value.
+    """Column of panels over a column ``along`` of tables, with a line for each value of ``lines``.
 
-    Other columns have the values ``where``. 0 and infinity are at the ends of a logarithmic
-    ``scale``. A row that has the values ``level`` is drawn across.
+    Only rows with the values ``where`` are drawn. ``scale`` is linear, log or symlog; if it is log,
+    0 and infinity are drawn at its ends. The row with the values ``level`` is drawn across the
+    panel. Values are given by column.
     """
 
     along: str
@@ -113,9 +121,10 @@ def panels(
     reference: float | None = None,
     sharey: str | bool = "row",
 ) -> Figure:
-    """Draw values over coordinates, with error bars of some standard errors to each side.
+    """Draw values over coordinates, with error bars of ``bars`` standard errors to each side.
 
-    ``styles`` is a column whose values have line styles, ``reference`` the value of a grey line.
+    Values of the column ``styles`` differ in their line style. ``reference`` is the height of a
+    horizontal grey line in all panels, and ``sharey`` is as for `matplotlib.pyplot.subplots`.
     """
     shape = (len(rows), len(columns))
     panel = (max(3.0, 9.0 / len(columns)), 2.1)
@@ -169,7 +178,7 @@ def _name(column: Any, value: Any, names: Names) -> str:
 
 
 def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
-    """Return label, colour and mark of lines by value; the colours of real numbers ascend."""
+    """Return label, colour and marker of lines by value; the colours of real numbers ascend."""
     real = pd.api.types.is_float_dtype(values)
     known = list(dict.fromkeys(values.sort_values() if real else values))
     palette = sns.color_palette("viridis" if real else "colorblind", len(known))
@@ -181,7 +190,7 @@ def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
 
 
 def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
-    """Return label and line style by value, the largest first; marks of the others are hollow."""
+    """Return label and line style by value, the largest first; other values have hollow markers."""
     dashes: dict[Any, dict[str, Any]] = {}
     styles = itertools.cycle(("-", "--", ":"))
     for value, style in zip(sorted(values.unique(), reverse=True), styles, strict=False):
@@ -191,7 +200,7 @@ def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
 
 
 def _places(values: pd.Series, scale: str) -> dict[float, float]:
-    """Return where values of a coordinate are drawn."""
+    """Return the place of each value of a coordinate; 0 and infinity are moved on a log scale."""
     known = np.sort(values.unique().astype(float))
     inner = known[(known > 0.0) & np.isfinite(known)]
     least, most = (inner[0], inner[-1]) if inner.size else (1.0, 1.0)
@@ -202,7 +211,7 @@ def _places(values: pd.Series, scale: str) -> dict[float, float]:
 def _draw(
     axes: Axes, column: PanelColumn, row: Row, lines: Sequence, places: Mapping, bars: float
 ) -> None:
-    """Draw the lines of a panel, and its level with its error as a band."""
+    """Draw the lines of a panel, and the level of its column as a line with its error as a band."""
     table = column.of(row.table)
     for where, look in lines:
         line = _having(table, where).sort_values(column.along)

@@ -1,4 +1,4 @@
-"""Joints that are closed before a study: to choose the effects of a rock, and to estimate times."""
+"""Joints that are simulated before a study: to choose a rock's effects, and to estimate times."""
 
 import json
 import math
@@ -17,11 +17,11 @@ from studies.frame.closing import Report, close_points, joined_rows, reading_of
 from studies.frame.settings import BASE, Point, joints_of
 
 TRIED = 3
-"""Alike points of which one joint is closed to estimate the time of all."""
+"""Largest number of points of a group of which a joint is simulated to estimate its time."""
 
 
 class Choice(NamedTuple):
-    """Case on which the effects of a rock are chosen, and the joints of all its cases."""
+    """Point on which the effects of a rock are chosen, and numbers of its cases and joints."""
 
     point: Point
     cases: int
@@ -29,7 +29,12 @@ class Choice(NamedTuple):
 
 
 def examined(points: Mapping[str, Point]) -> Choice:
-    """Return the choice for all cases of a rock (points by label), where effects matter most."""
+    """Return the point on which the effects of a rock are chosen.
+
+    ``points`` are those of all cases of the rock, by label. The case with the largest maximum
+    stress over compressive strength is taken, as effects matter most there; the base case if it is
+    among several.
+    """
 
     def order(label: str) -> tuple[float, bool]:
         case = points[label].settings.case  # of the largest stress over the strength
@@ -45,10 +50,11 @@ def choose_effects(
     names: Iterable[str],
     report: Report = lambda line: None,
 ) -> xr.Dataset:
-    """Select the effects that a rock's cases call for, to the tolerance of the configuration.
+    """Select the effects that a rock needs, to the tolerance of the configuration.
 
-    Joints closed with these effects are returned as by `close_joints`, with attributes ``case``
-    and ``chosen`` (JSON).
+    The joints that were simulated with these effects are returned as by `close_joints`, with the
+    quantities ``names``. Attributes are the label of the ``case``, and ``chosen``: effects, error
+    and reasons as JSON.
     """
     point, cases, joints = choice
     settings = choice.point.settings
@@ -67,7 +73,10 @@ def choose_effects(
 
 
 def tried(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
-    """Return a few of the points of each rock, grid and model, and the joints of all these."""
+    """Group points by rock, grid, effects and numerics.
+
+    Of each group at most `TRIED` points are returned, with the number of joints of all its points.
+    """
     alike: dict[tuple, list[Point]] = {}
     for point in points:
         settings = point.settings
@@ -78,7 +87,11 @@ def tried(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
 
 
 def estimate_time(groups: Iterable[tuple[Sequence[Point], int]], report: Report) -> pd.DataFrame:
-    """Estimate the processor time of groups of points (`tried`), with standard errors [s]."""
+    """Estimate the processor time [s] of groups of points (`tried`) from one joint of each point.
+
+    A row per group: ``rock``, ``cells``, ``joints``, ``seconds`` of all joints and their standard
+    ``error``.
+    """
     rows = []
     for points, joints in groups:
         first = [one._replace(settings=one.settings._replace(realizations=1)) for one in points]

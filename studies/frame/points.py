@@ -1,6 +1,6 @@
-"""Points of cases and of experiments, which are records of one kind.
+"""Points of the cases of a study and of its experiments; experiments by name.
 
-An experiment is a folder of `studies`: ``section.py`` is its section of the configuration, and
+An experiment is a folder of `studies`: ``section.py`` has its section of the configuration, and
 ``study.py`` has a constant ``EXPERIMENT``.
 """
 
@@ -29,10 +29,11 @@ Tables = Mapping[str, "pd.DataFrame"]
 class Experiment(NamedTuple):
     """Description of an experiment.
 
-    ``quantities`` (`QUANTITIES`) are read at the points of ``jobs``. ``tables`` are made of all
-    joints and of ``settings``, by names of files in ``tables/``; ``figures`` are drawn of the
-    tables and the settings, by names of files in ``figures/`` without their suffix. ``check``
-    refuses a study before any job, where that is slow.
+    ``quantities`` (names in `QUANTITIES`) are read of the joints at the points of ``jobs``.
+    ``tables`` are functions of a table of all joints and of ``settings``, by name of the file in
+    ``tables/``. ``figures`` are functions of the tables and the settings, by name of the file in
+    ``figures/`` without its suffix. ``check`` raises `InputError` for a study that cannot be run;
+    it contains checks that are too slow for `StudySection.problems`.
     """
 
     title: str
@@ -50,7 +51,7 @@ def experiment_named(name: str) -> Experiment:
     Raises
     ------
     InputError
-        If there is none of this name, or it reads a quantity that does not exist.
+        If no experiment has this name, or if it reads a quantity that does not exist.
     """
     if name not in sections():
         raise InputError(f"{name}: must be an experiment ({', '.join(sections())})")
@@ -72,7 +73,7 @@ def case_point(study: Configuration, case: Case, block: range) -> Point:
 
 
 def settings_of(study: Configuration, case: Case, **surface: Any) -> ClosureSettings:
-    """Return the settings that close a case on all realisations, with changed keys of surfaces."""
+    """Return the settings of all realisations of a case, with changed keys of the surfaces."""
     settings = block_settings(study, case, range(study.study.realizations))
     return settings._replace(surface=settings.surface._replace(**surface))
 
@@ -80,9 +81,10 @@ def settings_of(study: Configuration, case: Case, **surface: Any) -> ClosureSett
 def at_wavelengths(
     study: Configuration, wavelengths: Iterable[float]
 ) -> Iterator[tuple[str, str, float, ClosureSettings]]:
-    """Generate rock, name, wavelength and settings of base cases at mismatch wavelengths [m].
+    """Generate rock, name, wavelength [m] and settings of base cases at mismatch wavelengths [m].
 
-    The last of each rock are independent walls, whose wavelength is infinite.
+    The last ones of each rock have independent walls: their wavelength is infinite, in the settings
+    None.
     """
     for rock in study.rocks:
         case = base_case(study, rock)

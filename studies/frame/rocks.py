@@ -159,7 +159,7 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
         "given.",
         False,
     )
-    # None for those of the study, until the whole configuration is read
+    # None stands for the study's effect, until the whole configuration is read
     effects: Annotated[Effects, made_of(EffectKeys)] = Field(
         Effects._make([None] * len(Effects._fields))
     )
@@ -182,16 +182,16 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
         }
 
     def titled(self, name: str) -> "StudyRock":
-        """Return the rock with a title, made of its key ``name`` where it has none."""
+        """Return the rock with a title; if it has none, one is made of its key ``name``."""
         return self if self.title else self._replace(title=title_of_key(name))
 
     def with_effects(self, usual: Effects) -> "StudyRock":
-        """Return the rock with all of its effects, those of the study where it has none."""
+        """Return the rock with every effect stated; ``usual`` has those that it leaves open."""
         stated = {name: on for name, on in self.effects._asdict().items() if on is not None}
         return self._replace(effects=usual._replace(**stated))
 
     def problems(self, where: str) -> Iterator[str]:
-        """Generate contradictions of a rock with itself, one line each."""
+        """Generate contradictions between the keys of the rock ``where``, one line each."""
         stress = self.max_normal_stress
         walls = self.walls
         others = self.other_levels.jrc
@@ -256,13 +256,13 @@ def _wall_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
 
 
 def title_of_key(name: str) -> str:
-    """Return the title of a rock without one: its key with a capital, "my_rock" as "My rock"."""
+    """Return a title made of the key of a rock, such as "My rock" of "my_rock"."""
     words = name.replace("_", " ")
     return words[0].upper() + words[1:]
 
 
 def wall_files(walls: ScannedWalls) -> dict[str, str]:
-    """Return the scans of walls by "upper" and "lower": a file, or three with commas."""
+    """Return the paths of scans by "upper" and "lower": one file, or three between commas."""
     return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 
 

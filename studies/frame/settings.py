@@ -1,15 +1,12 @@
-"""Settings that joints depend on, the points at which they are closed, and walls made of them.
+"""Settings of joints, points at which joints are simulated, and walls made from settings.
 
-Every job that closes joints reads this module: it imports nothing that is slow to load, such as the
-models of the configuration.
+Every job that simulates joints imports this module, which therefore imports nothing that is slow to
+load, such as the models of the configuration.
 """
 
-import contextlib
-import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,55 +15,13 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.files import MAKE_AGAIN, digest
 from jointclosure.walls import CrushedWalls, Walls
+from studies.frame.checked_files import ForeignFileError, read_checked
 
 SIDES = ("upper", "lower")
 BASE = "base"
 """Parameter and level of a case in which no parameter is changed."""
-
-
-AGAIN = "delete it and start again; missing files are made again"
-"""Advice on a file that is damaged, or of another study."""
-
-
-class ForeignFileError(InputError):
-    """Error for a file that is whole, but not of this study."""
-
-
-def foreign(path: str | Path) -> ForeignFileError:
-    """Return the error for a file of other settings, surfaces or code."""
-    return ForeignFileError(
-        f"{path}: is not of this study (other settings, surfaces or code): {AGAIN}"
-    )
-
-
-def digest(*parts: object) -> str:
-    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-@contextlib.contextmanager
-def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
-    """Open a file of this study, whose values are read when they are used.
-
-    Raises
-    ------
-    DamagedFileError
-        If the file is not as it was written.
-    ForeignFileError
-        If it was made with other settings or by other code; ``key`` is that of its attributes.
-    """
-    with reading_netcdf(path) as stored:
-        if stored.attrs.get("key") != key:
-            raise foreign(path)
-        yield stored
-
-
-def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a file of this study without some variables; errors as for `reading_checked`."""
-    with reading_checked(path, key) as stored:
-        return stored.drop_vars(without, errors="ignore").load()
 
 
 class JointGrid(NamedTuple):
@@ -96,7 +51,10 @@ class Synthesis(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A ``rock`` (its name) with at most one parameter changed [SI]; scanned walls have no JRC."""
+    """A rock (by name) with at most one ``parameter`` changed, to ``value`` [SI].
+
+    ``value`` is NaN for base cases, and ``jrc`` for scanned walls.
+    """
 
     label: str
     rock: str
@@ -129,9 +87,10 @@ class Case(NamedTuple):
 class ClosureSettings(NamedTuple):
     """Settings [SI] that the joints of a case and a block of realisations depend on.
 
-    ``sha256`` has the digests of the files of scanned ``walls``; others are made from seeds, which
-    ``root_seed`` and ``seeds_named_by`` determine. The common axis has ``stress_points`` up to
-    ``largest_stress``. A pilot chooses the effects to the tolerance ``effects_chosen_to``.
+    ``sha256`` has the digests of the files of scanned ``walls``. Other walls are made from seeds,
+    which follow from ``root_seed`` and ``seeds_named_by``. The common stress axis has
+    ``stress_points`` from 0 to ``largest_stress``. Effects are chosen (`choose_effects`) to the
+    tolerance ``effects_chosen_to``; None: they are those of the case.
     """
 
     case: Case
@@ -149,7 +108,7 @@ class ClosureSettings(NamedTuple):
 
     @property
     def conditions(self) -> Conditions:
-        """Conditions at which the walls of the case are closed."""
+        """Conditions under which the joints of the case are simulated."""
         return self.case.conditions
 
     @property
@@ -165,7 +124,7 @@ class ClosureSettings(NamedTuple):
 class SurfaceSettings(NamedTuple):
     """Settings [SI] that the surfaces of a case and a block of realisations depend on.
 
-    Cases with equal ones have the same surfaces.
+    Cases with equal surface settings have the same surfaces.
     """
 
     root_seed: int
@@ -183,7 +142,7 @@ def surface_settings(settings: ClosureSettings | SurfaceSettings) -> SurfaceSett
 
 
 def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
-    """Return the seeds of the walls of a block."""
+    """Return the seed of the walls of each realisation of a block."""
     first = settings.first_realization
     last = settings.first_realization + settings.realizations
     named = settings.seeds_named_by
@@ -191,14 +150,14 @@ def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
 
 
 def walls_of_seed(seed: int, jrc: float, grid: JointGrid, surface: Synthesis) -> Walls:
-    """Make the walls of one realisation; unusual values were checked."""
+    """Return the walls (y, x) [m] of one realisation; unusual values are not refused again."""
     from jointclosure.walls.synthesis import wall_pair  # Fourier transforms, which few jobs need
 
     return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict(), unusual_values=True)
 
 
 def walls_of(settings: ClosureSettings | SurfaceSettings) -> Iterator[Walls]:
-    """Generate the walls of a block, from a JRC."""
+    """Generate the walls of a block from a JRC; raise `InputError` if walls were scanned."""
     if math.isnan(settings.jrc):
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
@@ -222,7 +181,7 @@ def surfaces_dataset(pairs: Iterable[Walls], settings: SurfaceSettings) -> xr.Da
 
 
 def surfaces_key(settings: ClosureSettings | SurfaceSettings) -> str:
-    """Return the digest of all that surfaces depend on, whatever the block of realisations is."""
+    """Return the digest of all that surfaces depend on except the block of realisations."""
     return digest(surface_settings(settings)._replace(first_realization=0, realizations=0))
 
 
@@ -234,27 +193,25 @@ def walls_in(files: Iterable[str], settings: ClosureSettings | SurfaceSettings) 
     DamagedFileError
         If a file is not as it was written.
     ForeignFileError
-        If a file has the surfaces of other settings, or not the realisations that come next.
+        If a file has surfaces of other settings, or does not continue with the next realisation.
     """
     following = settings.first_realization
     for file in files:
-        surfaces = read_netcdf(file)
-        if surfaces.attrs.get("key") != surfaces_key(settings):
-            raise foreign(file)
+        surfaces = read_checked(file, surfaces_key(settings))
         if int(surfaces.realization[0]) != following:
             raise ForeignFileError(
                 f"{file}: begins with realisation {int(surfaces.realization[0])}, must begin "
-                f"with {following}: {AGAIN}"
+                f"with {following}: {MAKE_AGAIN}"
             )
         following += surfaces.sizes["realization"]
         yield from zip(*(surfaces[side].values for side in SIDES), strict=True)
 
 
 class Point(NamedTuple):
-    """Joints that are closed under the same conditions, one a realisation.
+    """Joints that are simulated under the same conditions, one for each realisation.
 
-    ``coordinates`` [SI] say where it lies in the study. ``maker`` names a function
-    (``module:function``) that generates the walls from settings and ``options``; without it the
+    ``coordinates`` [SI] are those of the joints in datasets and tables. ``maker`` names a function
+    (``module:function``) that generates the walls from settings and ``options``. Without it the
     walls are made from their seeds, or read from a file of surfaces.
     """
 
@@ -272,5 +229,5 @@ class Point(NamedTuple):
 
 
 def joints_of(points: Iterable[Point]) -> int:
-    """Return the number of joints that are closed at some points."""
+    """Return the number of joints at some points."""
     return sum(point.settings.realizations for point in points)

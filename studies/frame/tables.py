@@ -1,4 +1,4 @@
-"""Joined results of all cases of a study, and what is computed of them."""
+"""Results of all cases of a study in one dataset, and tables of joints."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
@@ -31,7 +31,11 @@ _ABOUT = (
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
-    """Join all cases of a study along ``case``, with rock, parameter, level and value."""
+    """Join all cases of a study along ``case``.
+
+    ``closed`` are the joints of each case over ``realization``. Coordinates are the names, the
+    changed parameter and the properties of the cases.
+    """
     study = xr.concat(closed, "case", join="exact", coords="minimal", compat="override")
     columns = {
         name: np.array([getattr(case, name) for case in cases], dtype=object)
@@ -51,7 +55,7 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
 
 
 def succeeded(study: xr.Dataset) -> xr.DataArray:
-    """Return which simulations succeeded: those with a status below `FAILURE`."""
+    """Return whether each simulation succeeded: its status is below `FAILURE`."""
     return study.status < FAILURE
 
 
@@ -64,19 +68,22 @@ _IN_WORDS = {
 
 
 def in_words(name: str) -> str:
-    """Return the text of a status (docs/reference.md)."""
+    """Return the name of a status bit as text (docs/reference.md)."""
     return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
 
 
 def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
-    """Return net or gross closures (..., cycle, branch, stress) [m] since seating of the cycle."""
+    """Return closures (..., cycle, branch, stress) [m] since seating of the cycle, net or gross."""
     kind, closure = ("_net", study.closure - study.bulk_indentation) if net else ("", study.closure)
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
     return closure - (start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"])
 
 
 def over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.DataFrame:
-    """Return columns over keys and the stress as a table with a row for each."""
+    """Return a table of ``columns`` with a row for each combination of ``keys`` and stress.
+
+    ``stress`` [Pa] becomes ``stress_MPa``. A table by case also names rock, parameter and level.
+    """
     table = xr.Dataset(columns).assign_coords(stress=1e-6 * stress).rename(stress="stress_MPa")
     keys = [*keys, "stress_MPa"]
     about = [name for name in ("rock", "parameter", "level") if name in table and "case" in keys]
@@ -87,7 +94,10 @@ def over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.Data
 
 
 def as_table(files: Iterable[xr.Dataset]) -> pd.DataFrame:
-    """Return the joints of files, without curves, with a row for each of their cycles."""
+    """Return a table of the joints in datasets, with a row for each cycle of each joint.
+
+    Curves are left out, and ``timing_simulation`` is named ``seconds``.
+    """
     parts = (file.drop_dims(("branch", "stress", "direction"), errors="ignore") for file in files)
     tables = [
         part.to_dataframe(dim_order=["joint", "cycle"]).reset_index("cycle") for part in parts
@@ -97,7 +107,10 @@ def as_table(files: Iterable[xr.Dataset]) -> pd.DataFrame:
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Arrange joints over columns, including ``realization``; quantities over cycles too."""
+    """Arrange a table of joints (`as_table`) as a dataset over the columns ``over`` and the cycle.
+
+    ``over`` has to identify a joint. ``status`` and ``seconds`` have no cycle.
+    """
     grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
     for name in ("status", "seconds"):
         grid[name] = grid[name].isel(cycle=0, drop=True)
@@ -105,7 +118,10 @@ def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]
 
 
 def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
-    """Generate the joints with equal coordinates, and these in the columns of a published table."""
+    """Generate coordinates, and the joints that share them, for each group of the columns ``by``.
+
+    The coordinates have the names and units of published tables, the joints those of the table.
+    """
     for values, part in joints.groupby(list(by), sort=False, dropna=False):
         at = {}
         for name, value in zip(by, values, strict=True):
@@ -115,7 +131,10 @@ def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd
 
 
 def mean_shown(name: str, values: np.ndarray) -> Estimate:
-    """Compute the mean (harmonic for stiffnesses) of a quantity (n,) [SI] in the unit of tables."""
+    """Compute the mean of a quantity (n,) [SI], with its standard error, in the unit of tables.
+
+    The mean of stiffnesses is harmonic.
+    """
     shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
     if QUANTITIES[name].harmonic:
         return harmonic_mean(shown)

@@ -28,7 +28,7 @@ BAD = [
 
 
 def leaves(part, path=()):
-    """Paths to all values of plain data, those that hold others too."""
+    """Generate the paths to all values of plain data, sections and lists among them."""
     entries = part.items() if isinstance(part, dict) else enumerate(part)
     for key, value in entries:
         yield (*path, key)
@@ -46,7 +46,7 @@ def changed(keys, path, value):
 
 
 def read(keys, file):
-    """All that is asked of a configuration before a job starts; True where it is refused."""
+    """Check a configuration as before a run; return whether it is refused."""
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
         found = configured(merged_study(file))

@@ -1,4 +1,4 @@
-"""A change of what a result depends on is noticed; a split of the work changes nothing."""
+"""Joints of a study depend on their settings, and not on how the work is split."""
 
 import itertools
 import shutil
@@ -21,16 +21,9 @@ from studies.frame.cases import (
     expected_seconds,
     first_with_surfaces,
 )
+from studies.frame.checked_files import ForeignFileError, read_checked
 from studies.frame.closing import close_joints
-from studies.frame.datasets import (
-    CURVES,
-    ForeignFileError,
-    joints_key,
-    of_case,
-    read_checked,
-    read_joints,
-    write_ensemble,
-)
+from studies.frame.datasets import CURVES, joints_key, of_case, read_joints, write_ensemble
 from studies.frame.points import case_point
 from studies.frame.settings import surface_settings, surfaces_dataset, walls_in, walls_of
 from studies.frame.tables import join_cases
@@ -52,7 +45,7 @@ NAMES = names_of_case(flow=False)
 
 
 def point_of(label, block, *changes):
-    """Point of a case of the small study with changes, for a block of its realisations."""
+    """Return the point of a case of the small study with changes, for a block of realisations."""
     study = study_of(SMALL, *changes)
     return case_point(study, {case.label: case for case in cases_of(study)}[label], block)
 
@@ -78,7 +71,7 @@ def test_large_joints_are_split_into_more_jobs_by_their_expected_time(side):
     assert (len(blocks) > 1) == (20 * expected_seconds(study) > JOB_SECONDS)
 
 
-def test_blocks_of_an_accuracy_are_added_and_none_changes():
+def test_blocks_of_an_accuracy_are_only_added():
     study = study_of({"study": {"accuracy": {"within": 0.1}}})
     first = blocks_of(study, 20)
     more = blocks_of(study, 50)
@@ -90,7 +83,7 @@ def test_blocks_of_an_accuracy_are_added_and_none_changes():
 
 
 def shared_by(*changes):
-    """Which case has the surfaces of each case, by label."""
+    """Return for each case the first one with the same surfaces, by label."""
     study = study_of(SMALL, {"study": {"rocks": ["slate", "dolerite"]}}, *changes)
     return first_with_surfaces(study, {case.label: case for case in cases_of(study)})
 
@@ -153,7 +146,7 @@ def test_all_that_joints_depend_on_is_in_their_key():
         assert joints_key(same, "code") == joints_key(low, "code")
 
 
-def test_surfaces_depend_on_no_property_of_the_rock_and_on_no_numerics():
+def test_surfaces_depend_neither_on_the_rock_nor_on_numerics():
     low = point_of("slate-jrc-low", range(4))
     for edit, same in zip(CHANGES, (0, 0, 0, 1, 1, 1, 1), strict=True):
         other = point_of("slate-jrc-low", range(4), edit)
@@ -164,7 +157,7 @@ def test_surfaces_depend_on_no_property_of_the_rock_and_on_no_numerics():
 
 
 def closed_in(folder, *changes):
-    """Files of all cases and blocks of a small study with changes, closed by their jobs."""
+    """Simulate all cases and blocks of a small study with changes; return files, keys and cases."""
     study = study_of(SMALL, {"rocks": {"slate": {"levels": {"jrc": None}}}}, *changes)
     cases = cases_of(study)
     keys = {case.label: joints_key(case_point(study, case, range(0)), "code") for case in cases}
@@ -191,14 +184,14 @@ def whole(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def split(tmp_path_factory):
-    """The same in blocks of three realisations."""
+    """Files, keys and cases of a small study, in blocks of three realisations."""
     blocks = {"study": {"realizations_per_job": 3}}
     return closed_in(tmp_path_factory.mktemp("split"), blocks)
 
 
-def test_a_split_over_jobs_changes_no_bit_and_few_rows_are_in_memory(
-    whole, split, tmp_path, monkeypatch
-):
+@pytest.fixture(scope="module")
+def by_few_rows(whole, tmp_path_factory):
+    """The small study, joined by no more than four rows, and the rows of each part."""
     sizes = []
 
     def watched(frame, path, regions, *how):
@@ -206,17 +199,30 @@ def test_a_split_over_jobs_changes_no_bit_and_few_rows_are_in_memory(
         sizes.extend(part.sizes["realization"] for _, part in parts)
         write_netcdf(frame, path, parts, *how)
 
-    monkeypatch.setattr(datasets, "write_netcdf", watched)
-    monkeypatch.setattr(datasets, "ROWS", 4)
-    study = joined(tmp_path, *whole)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(datasets, "write_netcdf", watched)
+        patch.setattr(datasets, "ROWS", 4)
+        return joined(tmp_path_factory.mktemp("joined"), *whole), sizes
+
+
+def test_few_rows_of_a_study_are_in_memory(by_few_rows):
+    study, sizes = by_few_rows
     assert set(sizes) == {4, 3}
     assert study.realization.values.tolist() == list(range(7))
     assert np.isfinite(study.max_closure.values).all()
+
+
+def test_a_split_over_jobs_changes_no_bit(by_few_rows, whole, split, tmp_path, monkeypatch):
+    monkeypatch.setattr(datasets, "ROWS", 4)
     assert len(split[0]) == 3 * len(whole[0])
-    assert differences(study, joined(tmp_path, *split)) == []
+    assert differences(by_few_rows[0], joined(tmp_path, *split)) == []
+
+
+def test_a_study_by_few_rows_is_that_of_all_rows_at_once(by_few_rows, whole):
     files, _, cases = whole
     at_once = join_cases(cases, [of_case(read_netcdf(file)) for file in files])
-    assert differences(study.drop_vars("scene"), at_once.drop_attrs(deep=False)) == [
+    study = by_few_rows[0].drop_vars("scene")
+    assert differences(study, at_once.drop_attrs(deep=False)) == [
         "attribute key: only in the first"
     ]
 
@@ -238,7 +244,7 @@ READERS = {
 
 @pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize("kind", ["damaged", "foreign", "another file", "twice", "missing"])
-def test_a_file_that_is_not_of_the_study_is_named_and_nothing_is_joined(
+def test_a_file_that_is_not_of_the_study_is_named_before_any_is_joined(
     split, tmp_path, kind, reader
 ):
     files, keys, cases = split
@@ -298,7 +304,7 @@ def test_an_edited_dataset_is_not_read_though_it_has_the_key(whole, tmp_path):
 # Joints that cannot be closed
 
 
-def test_an_error_names_its_realisation_and_the_command_that_repeats_it(monkeypatch):
+def test_an_error_names_the_command_that_repeats_its_realisation(monkeypatch):
     def failing(pair, reading):
         raise FloatingPointError("no number")
 

@@ -36,7 +36,7 @@ def scan(tmp_path, monkeypatch):
 
 
 def points_to(tolerance, draws="independent", **rock):
-    """Points of all cases of a rock, by label, whose effects are chosen to a tolerance."""
+    """Return points of all cases of a rock, by label; effects are chosen to a tolerance."""
     rock = rock | {"max_normal_stress_MPa": 1}
     changes = {"effects": {"auto": tolerance}, "rocks": {"slate": rock}, "study": {"draws": draws}}
     study = study_of(SMALL, changes)
@@ -44,7 +44,7 @@ def points_to(tolerance, draws="independent", **rock):
 
 
 def chosen_to(tolerance, **changes):
-    """Pilot of all cases of a rock, and their points."""
+    """Return the dataset of chosen effects of a rock, and the points of its cases."""
     points = points_to(tolerance, **changes)
     choice = examined(points)
     return choose_effects(choice, walls_of(choice.point.settings), NAMES), points
@@ -82,7 +82,7 @@ def test_joints_of_a_pilot_are_taken_for_its_case_only():
 
 @pytest.mark.parametrize("rock", [{}, SCANNED], ids=["jrc", "scanned"])
 @pytest.mark.parametrize("tolerance", [1e-6, 0.95])
-def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
+def test_joints_of_a_pilot_are_taken_instead_of_closed_again(
     monkeypatch, tmp_path, tolerance, rock
 ):
     (label, point), *_ = points_to(tolerance, **rock).items()
@@ -101,7 +101,7 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
 
 
 def cut_scan(settings):
-    """Walls of a point, cut out of a scan."""
+    """Generate the walls of a point, cut out of a scan."""
     scan = Scan(jc.wall_pair(9.0, (40, 50), SPACING, 3, roll_off=None)[0], (SPACING, SPACING))
     keys = settings.walls._replace(units="mm")
     prepared = prepared_walls({"lower": scan}, keys, SPACING, "yu_vayssade_linear_0.25mm")

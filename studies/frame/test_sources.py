@@ -15,7 +15,7 @@ JOINTS = f"{close_joints.__module__}:close_joints"
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """A copy of the library that may be edited, with one of the studies beside it."""
+    """Copy of the library and of the studies that may be edited; digests are those of the copy."""
     for name, folder in sources.ROOTS.items():
         shutil.copytree(folder, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "ROOTS", {name: tmp_path / name for name in sources.ROOTS})
@@ -108,7 +108,7 @@ STATED = {
 
 
 def all_digests():
-    """Digests in the parameters of rules, by the name of the script."""
+    """Return the digests in the parameters of rules by the name of the script."""
     forget()
     folder = ROOT / "workflow/scripts"
     return {
@@ -119,7 +119,7 @@ def all_digests():
 
 @pytest.fixture(scope="module")
 def unedited():
-    """The digests before any edit; a copy of the package has the same ones."""
+    """Digests before any edit; a copy of the package has the same ones."""
     return all_digests()
 
 
@@ -141,7 +141,7 @@ def test_every_script_that_computes_something_has_its_digest_in_the_rules():
     assert files == {*run, "key_table"}
 
 
-def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, unedited):
+def test_an_edit_reruns_the_rules_that_need_it_alone(copy, unedited):
     for file in (*EDITED, "jointclosure/statistics/indifference.py"):
         text = (copy.parent / file).read_text(encoding="utf-8")
         (copy.parent / file).write_text(f"{text}\nADDED = 1\n", encoding="utf-8")
@@ -156,7 +156,7 @@ def test_an_edit_of_what_closes_joints_closes_them_again(copy, unedited):
 
 
 def with_other_texts(file, call):
-    """Edit the text that is the first argument of each call; the number of calls that were."""
+    """Edit the text that is the first argument of each call; return the number of edits."""
     text, count = re.subn(rf'(\b{call}\(\s*f?")', r"\1Edited. ", file.read_text(encoding="utf-8"))
     file.write_text(text, encoding="utf-8")
     ast.parse(text)
@@ -171,7 +171,7 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
     assert moved(unedited) == {"write_report"}
 
 
-def test_an_edited_title_of_a_quantity_closes_no_walls_again_and_is_drawn(copy, unedited):
+def test_an_edited_title_of_a_quantity_is_only_drawn_again(copy, unedited):
     assert with_other_texts(copy / "ensembles/quantities.py", "Quantity") > 10
     scripts = moved(unedited)
     assert {"draw_figures", "draw_experiment", "write_report"} <= scripts

@@ -26,13 +26,13 @@ from studies.frame.rocks import ScannedWalls, wall_files
 from studies.frame.settings import SIDES, ClosureSettings, SurfaceSettings, seeds_of
 
 REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
-"""Keys of scanned walls that their registration takes."""
+"""Keys of scanned walls that are arguments of `registered`."""
 
 
 def walls_of_files(
     walls: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
-    """Read the scans of a rock, and return `prepared_walls` of them."""
+    """Read the scans of a rock, and put them on a grid of ``spacing`` [m]; see `prepared_walls`."""
     stated: dict[str, Any] = {"units": walls.units, "variable": walls.variable}
     scans = {
         side: read_scan(file, scan_spacing=walls.spacing, **stated)
@@ -48,7 +48,18 @@ def prepared_walls(
     jrc_relation: str,
     unusual_values: bool = False,
 ) -> xr.Dataset:
-    """Put scans ("upper", "lower" or both) on the joint's grid, as heights (y, x) [m]."""
+    """Put scans ("upper", "lower" or both) on a grid of some spacing [m], as heights (y, x) [m].
+
+    Walls are brought together (`registered`) or levelled as they lie, by ``settings``. Each has its
+    roughness, Hurst exponent, equivalent JRC and remarks as attributes; the dataset has the partner
+    of a single wall, warnings and the report of the registration.
+
+    Raises
+    ------
+    InputError
+        If a scan cannot be put on the grid, if the scans do not cover the same cells, or if heights
+        are implausible and not ``unusual_values``.
+    """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     warnings: list[str] = []
     files = f"{settings.upper} and {settings.lower}"
@@ -114,7 +125,7 @@ def _as_they_lie(
     settings: ScannedWalls,
     spacing: float,
 ) -> dict[str, tuple[np.ndarray, float]]:
-    """Return unregistered walls, heights towards the other wall, with shares of missing cells."""
+    """Return heights (towards the other wall) and share of missing cells of unregistered walls."""
     heights: dict[str, tuple[np.ndarray, float]] = {}
     for side, scan in scans.items():
         try:
@@ -144,7 +155,7 @@ def _slope(wall: np.ndarray, spacing: float) -> float:
 
 
 def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
-    """Return the smallest and largest (x, y) that two point clouds share; None for other scans."""
+    """Return the ends (2, xy) of the rectangle common to two point clouds; None for other scans."""
     clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
     if len(clouds) < 2:
         return None
@@ -165,9 +176,11 @@ def prepare_walls(
     log: Callable[[str], None],
     show: Callable[[str], None],
 ) -> xr.Dataset:
-    """Read the scanned walls of a rock, bring them to the grid, and check that there is room.
+    """Read the scanned walls of a rock, put them on the grid, and check that there is room.
 
-    Warnings of the scans are shown to the user, and stored with the walls.
+    There must be room for ``realizations`` joints, else `InputError` is raised. Warnings of the
+    scans are passed to ``show`` and stored with the walls; ``log`` takes all details. ``digests``
+    are those of `wall_digests`.
     """
     prepared = walls_of_files(walls, grid.spacing, jrc_relation, unusual_values)
     log(prepared.attrs.get("registration", "as they lie"))
@@ -184,7 +197,7 @@ def prepare_walls(
 
 
 def described(walls: dict[str, xr.Dataset]) -> str:
-    """Return JSON of the files, digests and roughness of the scanned walls of each rock."""
+    """Return files, digests and roughness of the scanned walls of each rock as JSON."""
     about = {
         rock: dict(dataset.attrs) | {str(k): dict(v.attrs) for k, v in dataset.data_vars.items()}
         for rock, dataset in walls.items()
@@ -195,7 +208,8 @@ def described(walls: dict[str, xr.Dataset]) -> str:
 class Cutter:
     """Cutter of joints of a ``shape`` (ny, nx) from the walls of `prepared_walls`.
 
-    Realisation r has the r-th window in an order by seed, so that further ones change no others.
+    Realisation r has window r of an order that ``order_seed`` shuffles, so that added realisations
+    do not change the others. ``normalise`` is that of `synthetic_wall`, for a synthetic partner.
     """
 
     def __init__(
@@ -214,7 +228,7 @@ class Cutter:
         }
 
     def check(self, realizations: int) -> None:
-        """Raise `InputError` if there are fewer windows than realisations."""
+        """Raise `InputError` if windows are too few, unless the other wall is synthetic."""
         count = len(self.windows)
         if realizations > count and self.partner != "synthetic":
             raise InputError(
@@ -224,12 +238,12 @@ class Cutter:
             )
 
     def joint(self, realization: int, seed: int) -> dict[str, np.ndarray]:
-        """Return the walls of a realisation, each plane-detrended, from its number and seed."""
+        """Return the walls of a realisation by side, detrended; ``seed`` is of a synthetic one."""
         origin = self.origin("measured", realization)
         cut = {side: self._cut(wall, origin) for side, wall in self.walls.items()}
         for other in {*SIDES} - set(self.walls):
             if self.partner == "synthetic":
-                # the name of the stream is a former term: another would give other walls
+                # the name of the random numbers is a former term: another would change the walls
                 random = generator(seed_of(seed, "matching"))
                 z2, spacing, hurst = self.drawn
                 drawn = z2, self.shape, spacing, Spectrum(hurst), random, self.normalise
@@ -250,9 +264,9 @@ class Cutter:
         return y, x
 
     def room(self) -> dict[str, int]:
-        """Count the joints that can be cut out, and those that fit side by side in their order.
+        """Count the windows, and those that share no cell.
 
-        At most as many as the latter share no cell.
+        Windows of the latter kind are selected row by row: each that overlaps none before it.
         """
         count = 0
         left = self.windows
@@ -268,7 +282,13 @@ class Cutter:
 
 
 def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row."""
+    """Return the first cells (k, yx) of all windows of a shape without missing cells, row by row.
+
+    Raises
+    ------
+    InputError
+        If there is no such window.
+    """
     offsets = _full_windows(wall, *shape)
     if not len(offsets):
         size = min(wall.shape)

@@ -25,14 +25,15 @@ PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"
 """The paper's Table 3."""
 
 _MOST_BYTES, _MOST_VALUES, _DEEPEST = 1_000_000, 100_000, 40
-"""Limits of a configuration file: its size, its keys and values with all aliases written out, and
-how deep they are nested. They hold before anything is built, which takes memory and the stack.
+"""Limits of a configuration file: its size, the number of its keys and values with all aliases
+expanded, and how deep they are nested. They are checked before the loader builds any value, since
+this takes memory and the stack.
 """
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
 
 
 def folder_of(part: Any) -> str:
-    """Return the folder of `studies` in which a function or a type is defined."""
+    """Return the name of the folder of `studies` in which a function or a type is defined."""
     return part.__module__.split(".")[1]
 
 
@@ -41,7 +42,7 @@ class ConfigurationError(InputError):
 
 
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """Loader of plain YAML that refuses what YAML reads differently from its appearance."""
+    """Loader of plain YAML that refuses repeated keys and numbers that are not decimal."""
 
     def construct_mapping(self, node, deep=False):
         keys = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
@@ -54,7 +55,7 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
         return super().construct_mapping(node, deep)
 
     def decimal(self, node):
-        """Read a decimal number; YAML reads 1:30 as 90, and 010 as 8."""
+        """Read a decimal number; refuse others, as YAML would read 1:30 as 90 and 010 as 8."""
         if not _DECIMAL.match(node.value.lower()):
             raise yaml.constructor.ConstructorError(
                 problem=f"line {node.start_mark.line + 1}: {node.value} must be a decimal number, "
@@ -69,7 +70,7 @@ for _kind in ("int", "float"):
 
 
 def read_plain(path: str | Path) -> dict:
-    """Read a configuration file as plain data, and refuse anything else."""
+    """Read a configuration file; raise `ConfigurationError` unless it has plain keys and values."""
     settings = None
     try:
         if not (reason := _no_file(Path(path))):
@@ -92,7 +93,7 @@ def read_plain(path: str | Path) -> dict:
 
 
 def _no_file(path: Path) -> str:
-    """Return what is wrong with a file that is not read."""
+    """Return why a path cannot be a configuration file; "" if it can."""
     size = path.stat().st_size
     if not path.is_file():
         return "must be a file"
@@ -103,7 +104,7 @@ def _no_file(path: Path) -> str:
 
 @dataclass
 class _Node:
-    """A node of YAML: how many nodes it has, aliases written out, and levels below it."""
+    """Node of YAML, with the number of nodes in it (aliases expanded) and of levels below it."""
 
     anchor: str | None = None
     count: int = 1
@@ -116,14 +117,14 @@ class _Node:
 
 
 def _unbounded(text: str) -> str:
-    """Return what is wrong with a text that is too deep or too large, or has tags.
+    """Return why YAML is refused: nested too deep, too large, or with tags; "" if it is not.
 
-    The events of the parser are read one by one, as the loader recurses into nodes, and copies what
-    merge keys (``<<``) name.
+    The events of the parser are counted one by one, because the loader would recurse into nodes and
+    copy those that merge keys (``<<``) name.
     """
     anchors: dict[str | None, _Node] = {}
-    whole = [_Node()]
-    aliases = False  # nodes that are not complete, each within the one before
+    whole = [_Node()]  # nodes that are not complete, each within the one before
+    aliases = False
     for event in yaml.parse(text, Loader=_Loader):
         if isinstance(event, yaml.CollectionEndEvent):
             node = whole.pop()
@@ -145,7 +146,7 @@ def _unbounded(text: str) -> str:
         if node is not whole[-1]:
             node.complete = True
             whole[-1].add(node)
-        # the first of them is the file
+        # the first of the incomplete nodes is the file
         if len(whole) - 2 + whole[-1].levels > _DEEPEST:
             return f"values are nested more than {_DEEPEST} levels deep"
         if whole[-1].count > _MOST_VALUES:
@@ -156,7 +157,7 @@ def _unbounded(text: str) -> str:
 
 
 def _not_plain(settings: object) -> str:
-    """Return what is wrong with data that are not plain."""
+    """Return why data are refused: no keys, or values of other types; "" if they are plain."""
     if settings is None:
         return "is empty, must contain keys and values"
     if not isinstance(settings, dict):
@@ -178,7 +179,7 @@ def _not_plain(settings: object) -> str:
 
 
 def overlaid(keys: dict, changes: dict) -> dict:
-    """Nested keys with others over them; what does not change is not copied."""
+    """Return nested keys with changes over them; parts without a change are not copied."""
     return keys | {
         name: overlaid(keys[name], value)
         if isinstance(value, dict) and isinstance(keys.get(name), dict)
@@ -188,12 +189,12 @@ def overlaid(keys: dict, changes: dict) -> dict:
 
 
 def merged(*settings: dict) -> dict:
-    """Nested settings, later ones over earlier ones, as a copy."""
+    """Return a copy of nested settings, of which later ones replace values of earlier ones."""
     return copy.deepcopy(functools.reduce(overlaid, settings, {}))
 
 
 def refuse(problems: Iterable[str], what: str = "configuration") -> None:
-    """Raise `ConfigurationError` where there are problems, one line each."""
+    """Raise `ConfigurationError` on ``what`` if there are problems, with a line for each."""
     if lines := "".join(f"\n  {line}" for line in dict.fromkeys(problems)):
         raise ConfigurationError(f"{what}:{lines}") from None
 
@@ -205,7 +206,7 @@ def short(value: object) -> str:
 
 
 def provenance(configuration: dict[str, Any]) -> dict[str, str]:
-    """Return `origin` with a configuration, without the split of work over jobs, and its seed."""
+    """Return the attributes of `origin` with `configuration_text`, root seed and size of jobs."""
     return origin() | {
         "configuration": configuration_text(configuration),
         "root_seed": str(configuration["study"]["root_seed"]),
@@ -214,13 +215,13 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
 
 
 def configuration_text(configuration: dict[str, Any]) -> str:
-    """Return a configuration as JSON, without the split of work over jobs."""
+    """Return a configuration as JSON, without ``study.realizations_per_job``."""
     study = dict(configuration["study"])
     study.pop("realizations_per_job", None)
     return json.dumps(configuration | {"study": study}, sort_keys=True)
 
 
-if __name__ == "__main__":  # before Snakemake reads a file, whose loader accepts more
+if __name__ == "__main__":  # run before Snakemake reads a file, as its loader accepts more
     try:
         read_plain(sys.argv[1])
     except ConfigurationError as error:

@@ -22,7 +22,7 @@ SURFACES = 2
 
 
 class Sampling(NamedTuple):
-    """What varies over which rows of the unit cube, and the keys of the rocks by their names."""
+    """Sampling of a study: its section, the stated keys of its rocks by name, the seed of rows."""
 
     section: GlobalSensitivitySection
     rocks: dict[str, dict]
@@ -63,14 +63,17 @@ _points = lru_cache(maxsize=None)(sampled_rows)
 
 
 def sampling_of(study: Configuration) -> Sampling:
-    """Return the inputs and rows of a configuration's ``global_sensitivity`` section."""
+    """Return the sampling of a configuration; raise `InputError` without its section."""
     rocks = {rock: study.stated["rocks"][rock] for rock in study.rocks}
     seed = seed_of(study.study.root_seed, "global sensitivity")
     return Sampling(study.section(GlobalSensitivitySection), rocks, seed)
 
 
 def check_sampling(study: Configuration) -> None:
-    """Raise `ConfigurationError` if an end of an input is refused; each is tried alone first."""
+    """Raise `ConfigurationError` if the configuration is refused at an end or value of an input.
+
+    Each input is first changed alone, then with the other inputs in the middle of their ranges.
+    """
     sampling = sampling_of(study)
     keys = study.stated
     refuse(_refused(sampling, keys, together=False))
@@ -78,7 +81,11 @@ def check_sampling(study: Configuration) -> None:
 
 
 def keys_at(sampling: Sampling, rock: str, point, only: Collection[str] = ()) -> dict:
-    """Return the keys that a point (d,) sets, or ``only`` some inputs, for merging over others."""
+    """Return the nested keys of a study of one rock at a point (d,) of the unit cube.
+
+    They are to be merged over the study's keys. If ``only`` is not empty, it has the names of the
+    inputs whose keys are returned.
+    """
     answer: dict = {}
     for (name, one), u in zip(sampling.inputs.items(), point, strict=True):
         if only and name not in only:
@@ -92,7 +99,7 @@ def keys_at(sampling: Sampling, rock: str, point, only: Collection[str] = ()) ->
 
 
 def value_at(one: Input, rock: Mapping, u: float):
-    """Return the value of an input at u of [0, 1], in the unit of its key, for keys of a rock."""
+    """Return the value of an input at u in [0, 1], in the unit of its key, for keys of a rock."""
     if one.values:
         return one.values[int(part_of(u, len(one.values)))]
     low, high = range_of(one, rock)
@@ -100,7 +107,7 @@ def value_at(one: Input, rock: Mapping, u: float):
 
 
 def range_of(one: Input, rock: Mapping) -> tuple[float, float]:
-    """Return the ends of an input that varies continuously, in the unit of its key."""
+    """Return the ends of the range of a continuous input in the unit of its key."""
     if isinstance(one.between, tuple):
         low, high = one.between
         return low, high
@@ -109,7 +116,7 @@ def range_of(one: Input, rock: Mapping) -> tuple[float, float]:
 
 
 def _alone(rock: str) -> dict:
-    """Return keys of a study of one rock without levels, with the same surfaces at all points."""
+    """Return the keys that reduce a study to one rock without levels, on common surfaces."""
     return {
         "study": {"rocks": [rock], "draws": "common"},
         "rocks": {rock: {"levels": dict.fromkeys(map(key_of, PROPERTIES))}},
@@ -119,7 +126,7 @@ def _alone(rock: str) -> dict:
 def settings_of_rock(
     sampling: Sampling, study: Configuration, rock: str
 ) -> Callable[[int, np.ndarray], ClosureSettings]:
-    """Return a maker of the settings of a rock's base case, from a row and a point (d,)."""
+    """Return a function of a row and a point (d,) that gives the settings of a rock's joints."""
     alone = _alone(rock)
     keys = study.stated
     plain = overlaid(keys, alone) | {
@@ -136,12 +143,12 @@ def settings_of_rock(
 
 
 def is_positive(one: Input, rock: Mapping) -> bool:
-    """Return whether an input varies continuously over positive numbers, and has elasticities."""
+    """Return whether an input varies over positive numbers, which an elasticity needs."""
     return not one.values and range_of(one, rock)[0] > 0.0
 
 
 def _refused(sampling: Sampling, keys: dict, together: bool) -> Iterator[str]:
-    """Generate errors at the ends of each input, with others as in the study or in the middle."""
+    """Generate errors at the ends or values of each input, alone or with the others."""
     for rock, (place, name) in itertools.product(sampling.rocks, enumerate(sampling.inputs)):
         where = f"global_sensitivity.inputs.{name}"
         count = sampling.values[place]

@@ -10,7 +10,7 @@ from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Name, Section, Several, Text, entry, must
 
 ROCK = "ROCK"
-"""Placeholder in the key of an input for the rock that is closed."""
+"""Placeholder for the name of a rock in the key of an input."""
 VARIED = ("rocks", "surface", "effects", "choices", "numerics")
 """Sections of a configuration whose keys can vary; others would change the set of surfaces."""
 PROPERTY_OF = {f"rocks.{ROCK}.{key_of(name)}": name for name in PROPERTIES}
@@ -41,7 +41,7 @@ class Input(Section):
 
     @property
     def of_rock(self) -> str | None:
-        """Return the property of a rock that the key is, if any."""
+        """Return the name of the rock's property that the key sets; None if it sets none."""
         return PROPERTY_OF.get(self.path)
 
 

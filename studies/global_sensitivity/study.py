@@ -29,7 +29,7 @@ from studies.paper.layout import figure_text
 
 
 def global_sensitivity_jobs(study: Configuration) -> Jobs:
-    """Make a job for each rock and block of rows; added rows change no earlier block."""
+    """Make a job for each rock and block of rows; added rows change no complete block."""
     sampling = sampling_of(study)
     jobs = {}
     for rock in sampling.rocks:
@@ -44,7 +44,7 @@ def global_sensitivity_jobs(study: Configuration) -> Jobs:
 
 
 def tabulate_indices(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Compute first and total indices of every input."""
+    """Compute first and total indices and Shapley effects of every input."""
     return index_table(settings["sampling"], by_rock(joints))
 
 
@@ -54,7 +54,7 @@ def tabulate_elasticities(joints: pd.DataFrame, settings: Mapping[str, Any]) -> 
 
 
 def tabulate_conclusions(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Compute shares of choices for which conclusions hold."""
+    """Compute the share of the open choices for which each conclusion holds."""
     return conclusion_tables(settings["sampling"], by_rock(joints))[0]
 
 
@@ -64,7 +64,7 @@ def tabulate_margins(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.Da
 
 
 _SURFACES = "surfaces"
-"""Row of a table of indices that is no input."""
+"""Value of the column ``input`` in rows of a table of indices that are of the surfaces."""
 SHOWN = titles_of_cycles(
     ("max_closure", 1),
     ("max_closure", 2),
@@ -80,7 +80,10 @@ _ROWS = "rows of the design"
 
 @styled
 def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """Draw first (hollow) and total indices of every input by response, with 95 % intervals."""
+    """Draw first (hollow) and total indices of every input by response, with 95 % intervals.
+
+    ``titles`` are those of the rocks by name.
+    """
     most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
     whole = table[table.rows == most]
     names = [name for name in dict.fromkeys(whole.input) if name != _SURFACES]

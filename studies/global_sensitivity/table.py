@@ -1,6 +1,6 @@
-"""Variance indices of sampled inputs, elasticities whatever else varies, and conclusions.
+"""Variance indices of inputs, elasticities over all other inputs, and conclusions of the paper.
 
-A conclusion of the paper is judged by the share of its open choices for which it holds.
+A conclusion is judged by the share of the model's open choices for which it holds.
 """
 
 import functools
@@ -44,8 +44,9 @@ from studies.paper.claims import (
 from studies.paper.conclusions import SHARES
 
 RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "compliance_net")
-"""Responses of each cycle with indices: compliance, as nearly infinite stiffnesses would dominate a
-mean of stiffnesses. Residual closure is next to none in later cycles."""
+"""Responses with indices. Compliance is among them because nearly infinite stiffnesses would
+dominate a mean of stiffnesses. Residual closure is that of the first cycle, as later cycles have
+hardly any."""
 QUANTITIES = (*RESPONSES, LOOP)
 """Quantities of the joints."""
 FEWEST = 16
@@ -57,7 +58,7 @@ CHOICES_DRAWN = 4096
 INDEX_COLUMNS = (
     "rock", "response", "cycle", "rows", "left_out", "input", "title", "total", "total_error",
 )  # fmt: skip
-"""Columns of a table without any indices."""
+"""Columns of a table of indices without rows."""
 ELASTICITY_COLUMNS = (
     "rock", "response", "cycle", "input",
     "elasticity", "elasticity_error", "spread", "spread_error",
@@ -66,7 +67,11 @@ ELASTICITY_COLUMNS = (
 
 
 class Responses(NamedTuple):
-    """Responses (row, point, surface) of a rock and a cycle at points, of complete rows."""
+    """Values (row, point, surface) of a response of a rock in a cycle, of complete rows.
+
+    ``rows`` are their numbers, ``points`` (row, point, input) theirs in the unit cube. ``left_out``
+    is the number of rows with a joint that has no value.
+    """
 
     rock: str
     name: str
@@ -83,12 +88,12 @@ class Responses(NamedTuple):
 
 
 class FittedElasticities(NamedTuple):
-    """FittedElasticities of a response of a rock by property (k).
+    """Elasticities of a response of a rock with respect to k properties.
 
-    ``drawn`` (k, 1 + groups, n) at n drawn choices, of all rows and then without each group of
-    them; ``single`` (k, N) of single rows, with their noise, whose numbers are ``rows``;
-    ``fit_over_noise`` (k,): variance of the rows' changes about the regression, over that of the
-    difference of two surfaces (1: noise alone).
+    ``drawn`` (k, 1 + groups, n) are those at n drawn choices: fitted to all rows, and to the rows
+    without each group. ``single`` (k, N) are those of single rows, with their noise; ``rows`` are
+    the numbers of these rows. ``fit_over_noise`` (k,) is the variance of the rows' changes about
+    the regression over that due to surfaces (1: the regression leaves noise only).
     """
 
     inputs: list[str]
@@ -99,7 +104,7 @@ class FittedElasticities(NamedTuple):
 
 
 def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
-    """Put the joints of each rock on a grid."""
+    """Arrange the joints of each rock as a dataset over row, point, surface and cycle."""
     joints = joints.assign(surface=joints.realization - SURFACES * joints.row)
     return {
         str(rock): gridded(part, ("row", "point", "surface"), QUANTITIES)
@@ -108,7 +113,7 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
 
 
 def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
-    """Generate responses of all rocks and cycles, of compliance in place of stiffness."""
+    """Generate `RESPONSES` of all rocks and cycles; residual closure of the first cycle only."""
     points = sampling.points()
     for rock, of_rock in closed.items():
         whole = of_rock.sortby("row")
@@ -124,10 +129,11 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
 
 
 def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
-    """Compute first and total indices of inputs, for a quarter, half and all of the rows.
+    """Compute first and total indices of inputs from a quarter, half and all of the rows.
 
-    Of all rows also Shapley effects. The input "surfaces" has the share of the surfaces in a single
-    joint's variance. There are none of fewer than `FEWEST` complete rows.
+    Shares with fewer than `FEWEST` complete rows are left out. Shapley effects are computed from
+    all rows. The rows of the input "surfaces" have the surfaces' share in the variance of a single
+    joint.
     """
     rows = []
     fits = []
@@ -150,7 +156,10 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
 
 
 def elasticity_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
-    """Compute elasticities: mean, spread and share above 0 over other inputs, by jackknife."""
+    """Tabulate mean, spread and share above 0 of elasticities over the other inputs.
+
+    Their standard errors are by jackknife over groups of rows.
+    """
     rows = []
     for response in filter(has_elasticities, responses_of(sampling, closed)):
         if not _properties(sampling, response.rock):
@@ -205,7 +214,7 @@ def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> 
 
 
 def _properties(sampling: Sampling, rock: str) -> list[tuple[int, str, Input]]:
-    """Return the inputs with elasticities, with their places and names."""
+    """Return place, name and input of each property of the rock that has elasticities."""
     return [
         (place, name, one)
         for place, (name, one) in enumerate(sampling.inputs.items())
@@ -214,7 +223,7 @@ def _properties(sampling: Sampling, rock: str) -> list[tuple[int, str, Input]]:
 
 
 def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Fit slopes (1 + groups, columns) of all rows and without each group, shrunk for noise."""
+    """Fit slopes (1 + groups, columns) to all rows and without each group, shrunk for noise."""
     slopes = np.stack([_least_squares(matrix, change, kept) for kept in _kept(rows)])
     squares = slopes[0] ** 2
     noise = jackknife_error(slopes[1:]) ** 2
@@ -224,7 +233,7 @@ def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
 
 
 def _over_noise(matrix: np.ndarray, change: np.ndarray) -> float:
-    """Compute the variance of mean changes about the fit, over that between two surfaces."""
+    """Compute the variance of mean changes about the fit, over that due to the two surfaces."""
     rows, columns = matrix.shape
     if rows <= columns:
         return np.nan
@@ -241,7 +250,7 @@ def first_functions(points: np.ndarray, values: tuple[int, ...]) -> np.ndarray:
 
 
 def has_elasticities(response: Responses) -> bool:
-    """Return whether a response has a logarithm at all points of some rows."""
+    """Return whether a response has complete rows, and a logarithm in all of them."""
     return bool(response.values.size and (response.values > 0.0).all())
 
 
@@ -290,7 +299,7 @@ def _fitted(response: Responses, kept: np.ndarray, sampling: Sampling) -> Fit:
 
 
 def _kept(rows: np.ndarray) -> list[np.ndarray]:
-    """Return places of all rows, then without one group in turn; groups are by row number."""
+    """Return the places of all rows, then those without each group (row number modulo `GROUPS`)."""
     groups = rows % GROUPS
     return [np.arange(rows.size), *(np.flatnonzero(groups != group) for group in range(GROUPS))]
 
@@ -310,7 +319,7 @@ MARGIN_COLUMNS = (
 
 
 class _Margins(NamedTuple):
-    """Margins at drawn choices (1 + groups, n), as elasticities, and of single rows (N,)."""
+    """Margins of a conclusion [elasticity]: drawn (1 + groups, n), and of single ``rows`` (N,)."""
 
     drawn: np.ndarray
     single: np.ndarray
@@ -320,12 +329,18 @@ class _Margins(NamedTuple):
 def conclusion_tables(
     sampling: Sampling, closed: Mapping[str, xr.Dataset]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Compute shares of choices for which conclusions hold, and the inputs behind their margins.
+    """Tabulate shares of choices for which conclusions hold, and the inputs behind their margins.
 
-    ``rock`` "all" is in every rock at once; ``share_error`` is by jackknife over rows, the 95 %
-    interval at least as wide as for a count of single rows; ``rows_true`` are those for whose
-    changes, noise included, it holds. The second table: ``share`` of the margin's variance due to
-    each input.
+    In the first table, ``rock`` is "all" for conclusions that hold in every rock at once.
+    ``share_error`` is by jackknife over groups of rows, and the 95 % interval is at least as wide
+    as that of a count of single rows. ``rows_true`` is the number of rows for whose changes, noise
+    included, the conclusion holds. In the second table, ``share`` is that of an input in the
+    variance of the margin by which a conclusion holds.
+
+    Raises
+    ------
+    InputError
+        If the joints of a rock are missing.
     """
     fits = _elasticities(sampling, closed)
     shares: list[dict] = []
@@ -347,7 +362,7 @@ def conclusion_tables(
 def _elasticities(
     sampling: Sampling, closed: Mapping[str, xr.Dataset]
 ) -> dict[tuple, FittedElasticities]:
-    """Return elasticities by rock, response and cycle; none if a rock has none."""
+    """Return elasticities by rock, response and cycle; nothing if a rock has no elasticities."""
     missing = sorted(set(sampling.rocks) - set(closed))
     if missing:
         raise InputError(f"the joints of {', '.join(missing)} are missing")
@@ -376,7 +391,7 @@ def _bases(sampling: Sampling, rock: str) -> dict[str, float]:
 
 
 def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]:
-    """Generate shares of rows whose first point has a loop, in single rocks and in all at once."""
+    """Generate shares of rows whose first point has hysteresis, by rock and in all at once."""
     true = {}
     for rock, of_rock in closed.items():
         first = of_rock.sortby("row").isel(point=0).sel(cycle=cycle).mean("surface", skipna=False)
@@ -396,7 +411,7 @@ def _of_rocks(
     sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: ClosureStatement,
     name: str, cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
-    """Return margins by rock; none if a rock lacks an elasticity of the statement."""
+    """Return margins by rock; nothing if a rock lacks an elasticity of the statement."""
     properties = {name: one.of_rock for name, one in sampling.inputs.items()}
     margins = {}
     for rock in sampling.rocks:
@@ -427,7 +442,7 @@ def _of_rocks(
 
 
 def _shares(of_rocks: dict[str, _Margins], above: float) -> Iterator[dict]:
-    """Generate the shares of margins above a bound, in single rocks and in all at once."""
+    """Generate the shares of margins above a bound, by rock and in all at once."""
     if not of_rocks:
         return
     for rock, margin in of_rocks.items():
@@ -455,7 +470,7 @@ def _share(drawn: np.ndarray, single: np.ndarray) -> dict:
 
 
 def _variances(sampling: Sampling, of_rocks: dict[str, _Margins]) -> Iterator[dict]:
-    """Generate shares of a margin's variance over the choices, by rock and input."""
+    """Generate the share of each input in the variance of a rock's margin over the choices."""
     functions = first_functions(choices_drawn(sampling), sampling.values)
     matrix = np.column_stack([np.ones(len(functions)), functions])
     for rock, margin in of_rocks.items():

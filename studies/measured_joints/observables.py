@@ -2,9 +2,11 @@
 
 Measured values are in `jointclosure.uncertainty.published_joints`. Walls that mate have the
 wavelength at which the mean closure of the first loading is that of a measured joint. A measured
-value agrees if its range overlaps the 95 % interval of a single simulated joint. A joint is also
-predicted from others: by the distribution of one more joint, averaged over the wavelengths by their
-likelihood for the others' first closures (no wavelength within the simulated range is preferred).
+value agrees if its range overlaps the 95 % interval of a single simulated joint.
+
+A joint is also predicted from others. The prediction is the distribution of one more joint,
+averaged over the wavelengths. Weights are the likelihoods of the wavelengths for the first closures
+of the others; no wavelength within the simulated range is preferred beforehand.
 """
 
 from collections.abc import Iterator
@@ -41,7 +43,7 @@ HEADINGS = {name: heading(*about) for name, about in OBSERVABLES.items()}
 FITTED = "first_closure"
 """Observable to which the mismatch wavelength is fitted, and which is not judged."""
 UPPER_BOUND = "contact_share"
-"""Observable for which no measured value is too small."""
+"""Observable that is an upper bound, so that no measured value is too small."""
 PREDICTED = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
 CLOSURE_ERROR = 0.04
 """Relative error of the measured first closures: two digits of a figure."""
@@ -50,10 +52,12 @@ AGREES = "agrees"
 
 
 def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
-    """Compute `OBSERVABLES` of each joint that was closed, by ``variant`` and ``wavelength``.
+    """Compute `OBSERVABLES` of each joint that did not fail, by ``variant`` and ``wavelength``.
 
-    ``loaded_as``: variant with the first loading of a single cycle; ``film_cells``: cells of the
-    grid in one of the film, whose contact area is at most so many times that of the cells.
+    Later loading is the second cycle. If a joint has one cycle only, this is its later loading, and
+    its first loading is that of the same walls in the variant ``loaded_as``. ``film_cells`` is the
+    number of grid cells in a cell of the film that measures contact: its contact area is at most so
+    many times larger.
     """
     joints = joints[joints.status < FAILURE]
     at = ["variant", "wavelength", "realization"]
@@ -78,7 +82,11 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
 
 
 class _Walls(NamedTuple):
-    """Walls of a row, and observables of their joints for given surfaces (..., observables)."""
+    """Walls beside a measured joint, and observables of their joints.
+
+    ``values`` are (surfaces, observables), ``resampled`` (resamples, observables + 1) their means
+    in resamples of the surfaces, and the ``wavelength`` [m] that is fitted to each.
+    """
 
     walls: str
     joint: str
@@ -90,8 +98,9 @@ class _Walls(NamedTuple):
 def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
     """Compare each variant and kind of walls with each measured joint.
 
-    The mean ``value`` over surfaces has the standard ``error`` of a bootstrap over surfaces, with
-    the wavelength fitted anew; ``low`` and ``high`` are of the 95 % interval of a single joint.
+    ``value`` is the mean over surfaces. Its standard ``error`` is that of a bootstrap over
+    surfaces, in which the wavelength is fitted anew. ``low`` and ``high`` are the ends of the 95 %
+    interval of a single joint. Units are those of `OBSERVABLES`.
     """
     rows = []
     for variant, part in observables.groupby("variant", sort=False):
@@ -130,14 +139,14 @@ def score_table(judged: pd.DataFrame, constants: pd.Series) -> pd.DataFrame:
 
 
 def _judged(name: str, joint: str, low: float, high: float) -> dict:
-    """Compare the range of a measured value with the interval of the model."""
+    """Return the range of a measured value, and how it compares with an interval of the model."""
     known = measured(name, joint)
     off = "too large" if known.high < low else "too small" if known.low > high else AGREES
     return {"measured_low": known.low, "measured_high": known.high, "judgement": off}
 
 
 def single_joint_interval(values: np.ndarray) -> tuple[float, float]:
-    """Compute the 95 % prediction interval of one more joint, taken as (log-)normal."""
+    """Compute the 95 % prediction interval of one more value; log-normal if all are positive."""
     logarithmic = bool((values > 0.0).all())
     scaled = np.log(values) if logarithmic else values
     count = values.size
@@ -149,7 +158,7 @@ def single_joint_interval(values: np.ndarray) -> tuple[float, float]:
 
 
 def _walls(part: pd.DataFrame, root_seed: int) -> Iterator[_Walls]:
-    """Generate the walls of a variant: independent ones, and those fitted to each joint."""
+    """Generate for each measured joint a variant's independent walls, and those fitted to it."""
     names = list(OBSERVABLES)
     wide = part.pivot_table(index="realization", columns="wavelength", values=names).dropna()
     count = len(wide)
@@ -177,7 +186,11 @@ def _walls(part: pd.DataFrame, root_seed: int) -> Iterator[_Walls]:
 
 
 def fitted_length(logs: np.ndarray, means: np.ndarray, closure: float) -> float:
-    """Find the logarithm of the wavelength of a mean closure, which grows with it (isotonic)."""
+    """Find the logarithm of the wavelength at which the mean closure has a value.
+
+    Means at the wavelengths, whose logarithms are ``logs``, are first made to increase by isotonic
+    regression. Beyond their range the result is the first or the last wavelength.
+    """
     rising = scipy.optimize.isotonic_regression(means).x
     rising = rising * (1.0 + 1e-12 * np.arange(rising.size))  # np.interp needs it to increase
     return float(np.interp(closure, rising, logs))
@@ -191,7 +204,10 @@ def _between(logs: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
 
 
 def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
-    """Predict each measured joint, with a 95 % interval, from each other and from all others."""
+    """Predict each measured joint from one other joint, and from all others together.
+
+    The variant is `BASE`. Intervals (``low`` to ``high``) are those of 95 %.
+    """
     base = observables[(observables.variant == BASE) & np.isfinite(observables.wavelength)]
     fits = {joint: _likelihood(base, "first_closure", joint) for joint in JOINTS}
     readings = {name: _likelihood(base, name, JOINTS[0]) for name in PREDICTED}
@@ -211,7 +227,11 @@ def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
 
 
 def _likelihood(base: pd.DataFrame, name: str, joint: str) -> Likelihood:
-    """Compute the likelihood of a first closure over the wavelengths, with mean and scatter."""
+    """Compute mean and scatter of an observable over the wavelengths, and their likelihood.
+
+    The likelihood compares the observable with the first closure of a measured joint: it has a
+    meaning only for the observable "first_closure".
+    """
     wide = base.pivot_table(index="wavelength", columns="realization", values=name)
     logs = np.log(wide.to_numpy())[:, np.newaxis, :, np.newaxis]
     closure = np.array([measured("first_closure", joint).value])
@@ -220,7 +240,7 @@ def _likelihood(base: pd.DataFrame, name: str, joint: str) -> Likelihood:
 
 
 def _quantiles(weights: np.ndarray, likelihood: Likelihood) -> list[float]:
-    """Compute low end, median and high end of the prediction of a reading."""
+    """Compute low end, median and high end of a prediction; weights (n,) are of the wavelengths."""
     means = likelihood.means[:, 0, 0]
     scatter = likelihood.scatter[:, 0]
     share = weights / weights.sum()

@@ -42,7 +42,7 @@ class MeasuredJointsSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate the reasons why the joints cannot be closed."""
+        """Generate what is not allowed: not one rock, fewer than two cycles, too large a shift."""
         study = configuration.study
         cells = configuration.grid.cells_x
         if len(study.rocks) != 1:

@@ -1,9 +1,10 @@
 """Experiment on three measured granodiorite joints: the model beside their later loading.
 
-Joints with independent walls, and with walls that mate beyond a wavelength, are closed with the
-choices that the model leaves open. The wavelength of each measured joint is fitted to the closure
-of its first loading. All else is then judged: stiffness and closure of the later loading, the
-share of it that stays, and the area of contact. The strength of the rock was not published either.
+Joints with independent walls, and with walls that mate beyond a wavelength, are simulated with
+variants of the choices that the model leaves open, and of the strength of the rock, which was not
+published. The wavelength of each measured joint is fitted to the closure of its first loading. All
+else is then judged: stiffness and closure of the later loading, the share of it that stays, and the
+area of contact.
 """
 
 from collections.abc import Iterator, Mapping
@@ -38,11 +39,11 @@ QUANTITIES: tuple[str, ...] = ("max_closure_seated_net", "residual_closure_seate
 QUANTITIES += ("stiffness_net", "contact_at_max")
 _LOGARITHMIC = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
 _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
-"""Places of independent walls and of the three fitted joints about that of their variant."""
+"""Offsets of independent walls and of walls fitted to three joints from the variant's place."""
 
 
 def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each mismatch wavelength: all choices of the model."""
+    """Make a job for each mismatch wavelength, with the points of all variants."""
     section = study.section(MeasuredJointsSection)
     at = at_wavelengths(study, section.mismatch_wavelength)
     return {
@@ -55,7 +56,7 @@ def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 
 def _variants(settings: ClosureSettings, section: MeasuredJointsSection) -> dict[str, Point]:
-    """Make the points of all choices for walls of one wavelength, by name of the choice."""
+    """Make the points of all variants for walls of one wavelength, by name of the variant."""
     rocks = {BASE: settings}
     for value in section.compressive_strength:
         case = settings.case.changed("compressive_strength", value)
@@ -111,19 +112,19 @@ def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
 
 
 def judge_measured_joints(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Judge the observables of all variants by those of the measured joints."""
+    """Compare the observables of all variants with those of the measured joints."""
     return judged_joints(_observables(joints, settings), settings["root_seed"])
 
 
 def score_measured_joints(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Count by variant how many observables agree with the measured ones."""
+    """Count for each variant of mated walls the observables that agree with the measured ones."""
     loaded = joints.groupby("variant").loaded_as.first()
     constants = (loaded != BASE).astype(int) + (loaded != loaded.index)
     return score_table(judge_measured_joints(joints, settings), constants)
 
 
 def predict_measured_joints(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Tabulate what each variant predicts of the measured joints."""
+    """Predict the measured joints from each other, by the model with its default choices."""
     return prediction_table(_observables(joints, settings))
 
 

@@ -26,7 +26,7 @@ class MisalignmentSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate the reasons why walls cannot be tilted and rotated."""
+        """Generate what is not allowed: a grid that is not square, another normalisation."""
         grid = configuration.grid
         surface = configuration.surface
         if grid.cells_x != grid.cells_y:

@@ -1,6 +1,6 @@
 """Experiment on walls that are tilted, or rotated about the normal of the joint.
 
-Independent walls, and walls whose longer waves mate, are closed at every tilt and at every
+Independent walls, and walls whose longer waves mate, are simulated at every tilt and at every
 rotation, on the same surfaces.
 """
 
@@ -45,7 +45,10 @@ WALLS = f"{__name__}:misaligned"
 
 
 def misaligned(settings: ClosureSettings, tilt: float, rotation: float) -> Iterator[Walls]:
-    """Generate pairs with a tilted upper wall and a rotated lower wall [degrees]."""
+    """Generate pairs of walls (y, x) [m] that are misaligned by two angles [degrees].
+
+    The upper wall is tilted about its middle axis along y, the lower wall rotated about the normal.
+    """
     grid = settings.grid
     surface = settings.surface
     wavelength = surface.mismatch_wavelength
@@ -78,10 +81,17 @@ def rotated_pair(
     mismatch_wavelength: float = np.inf,
     rotation: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Make walls of `wall_pair`, the lower rotated about the normal [degrees], anticlockwise.
+    """Make walls (y, x) [m] as `wall_pair` does, and rotate the lower one about the normal.
 
-    Its waves are summed at rotated points, so that no interpolation damps any. ``z2`` is pooled. At
-    multiples of 90 degrees cells map to cells; else last digits may differ between processors.
+    The ``rotation`` [degrees] is anticlockwise. The waves of the lower wall are summed at rotated
+    points, so that no interpolation damps them. ``z2`` is the RMS slope of both walls together. At
+    multiples of 90 degrees cells map to cells; at other angles the last digits may differ between
+    processors.
+
+    Raises
+    ------
+    InputError
+        If the grid is not square.
     """
     n = shape[0]
     if shape[1] != n:
@@ -98,7 +108,7 @@ def rotated_pair(
 
 
 def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
-    """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
+    """Sum waves of a field of 2 n by 2 n cells (by `scipy.fft.rfft2`) at n by n rotated points."""
     cosine = np.cos(np.deg2rad(degrees))
     sine = np.sin(np.deg2rad(degrees))
     middle = 0.5 * (n - 1)
@@ -123,7 +133,7 @@ def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
 
 
 def misalignment_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations."""
+    """Make a job for each rock and mismatch wavelength, of aligned, tilted and rotated walls."""
     section = study.section(MisalignmentSection)
     angles = [{"tilt": tilt, "rotation": 0.0} for tilt in section.tilt_degrees]
     angles += [{"tilt": 0.0, "rotation": rotation} for rotation in section.rotation_degrees[1:]]
@@ -141,7 +151,8 @@ def summary(
 ) -> pd.DataFrame:
     """Tabulate means over surfaces, and their changes [%] from a reference on the same surfaces.
 
-    ``by`` are the columns that name a point, and ``reference`` values of some of them.
+    ``by`` are the columns that identify a point, ``names`` the quantities. The reference is the
+    point with the values ``reference`` in some of these columns and the same values in the others.
     """
     others = [name for name in (*by, "cycle") if name not in reference]
     here = (joints[list(reference)] == pd.Series(reference)).all(axis=1)

@@ -1,9 +1,9 @@
 """Experiment on mated, natural and non-mated walls: effects of mismatch and shift.
 
-Without a shift all mismatch wavelengths have the same upper walls but for their scale; a shift
-makes others, as a longer field is drawn for it. Shifted walls behave as independent ones from the
-shift on at which the mean closure since seating of the first cycle is no more than a declared
-share below theirs.
+Without a shift, the upper walls of all mismatch wavelengths differ only in their scale. With a
+shift they are others, as a longer field is drawn for it. Shifted walls behave as independent ones
+from the shift on at which the mean closure since seating of the first cycle is at most a declared
+share below that of independent walls.
 """
 
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ RESAMPLES = 2000
 
 
 def mismatch_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
+    """Make a job for each rock and wavelength, with all shifts; independent walls have none."""
     section = study.section(MismatchSection)
     jobs = {}
     for rock, name, wavelength, settings in at_wavelengths(study, section.wavelength):
@@ -50,7 +50,7 @@ def mismatch_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 
 def tabulate_mismatch(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Compute means over surfaces with errors; what a joint lacks is left out of its mean."""
+    """Compute means over surfaces with standard errors; quantities that are NaN are left out."""
     rows = []
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
         closed = part[part.status < FAILURE]
@@ -64,7 +64,7 @@ def tabulate_mismatch(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.D
 
 
 def draw_mismatch(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw the first rock: without a shift by cycle, and the first cycle of shifted walls."""
+    """Draw the first rock: both cycles over the wavelength, and the first cycle over the shift."""
     mismatch = tables["mismatch"]
     table = mismatch[mismatch.rock == mismatch.rock.iloc[0]]
     # the hysteresis of mated walls is unresolved, and may be far below 0
@@ -88,8 +88,10 @@ def draw_mismatch(tables: Tables, settings: Mapping[str, Any]) -> Figure:
 def find_independence(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
-    ``shift_mm`` with its 95 % interval (bootstrap over surfaces) is infinite if no shift suffices;
-    ``apertures``: over the mean aperture of independent walls at seating. Means are isotonic.
+    ``shift_mm`` is infinite if no shift suffices; ``low`` and ``high`` are the ends of its 95 %
+    interval by bootstrap over surfaces. Mean closures are first made to increase with the shift by
+    isotonic regression. ``apertures`` is the shift over the mean aperture of independent walls at
+    seating.
     """
     tolerance = settings["tolerance"]
     root_seed = settings["root_seed"]
@@ -115,13 +117,13 @@ def find_independence(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.D
 
 
 def _closures(joints: pd.DataFrame) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return the shifts with closures, and the closures of the surfaces for each of them."""
+    """Return the shifts [m] with closures, and the closures [m] of all surfaces at each of them."""
     known = joints[np.isfinite(joints[CLOSURE])].groupby("shift")[CLOSURE]
     return np.array(list(known.groups)), [values.to_numpy() for _, values in known]
 
 
 def _drawn_means(samples: list[np.ndarray], random: np.random.Generator):
-    """Generate the means of all samples: first as they are, then resampled."""
+    """Generate the means of all samples, first as they are, then `RESAMPLES` times resampled."""
     yield [values.mean() for values in samples]
     for _ in range(RESAMPLES):
         yield [values[random.integers(len(values), size=len(values))].mean() for values in samples]

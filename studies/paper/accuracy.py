@@ -1,8 +1,8 @@
 """Accuracy of a study by two levels: its own numerics, and differences to the finest numerics.
 
 A result is that of n surfaces by the study's numerics plus its difference to the finest numerics on
-the first k of them (multilevel Monte Carlo, M. B. Giles, Acta Numerica 24, 2015, 259). It has no
-bias but that of the finest numerics, and its error holds anywhere, without measured tables.
+the first k of them (multilevel Monte Carlo, M. B. Giles, Acta Numerica 24, 2015, 259). It has only
+the bias of the finest numerics, and its error needs no measured tables of numerical errors.
 """
 
 import itertools
@@ -34,25 +34,26 @@ from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 
 QUANTITIES_OF = {"mean": JUDGED, "stiffness": ("stiffness_net",)}
-"""Quantities whose means are requested."""
+"""Quantities whose means a request (`Accuracy.of`) concerns."""
 
 
 class Counts(NamedTuple):
-    """Surfaces of a case, and those of them that are closed by the finest numerics too."""
+    """Number of surfaces of a case, and of those also simulated with the finest numerics."""
 
     surfaces: int
     differences: int
 
 
 START = Counts(BLOCK, FEWEST)
-"""What `make study` starts with."""
+"""Counts with which `make study` starts."""
 
 
 class Estimate(NamedTuple):
-    """Result by two levels with its interval, and that of the study's numerics alone.
+    """Result by two levels with its interval, and the result of the ``study``'s numerics alone.
 
-    Over the result: ``half_width``, infinite if unknown; ``deviations`` of one surface and of one
-    difference; and ``finest``, the deviation of one surface by the finest numerics.
+    The others are relative to the result. ``half_width`` is that of the interval, infinite if it is
+    unknown. ``deviations`` are the standard deviations of one surface and of one difference, and
+    ``finest`` is that of one surface by the finest numerics.
     """
 
     interval: Interval
@@ -65,10 +66,11 @@ class Estimate(NamedTuple):
 def reached_table(
     study: xr.Dataset, finest: xr.Dataset, accuracy: Accuracy, significance: float
 ) -> pd.DataFrame:
-    """Tabulate each requested result by two levels, its 95 % interval, and what is still needed.
+    """Tabulate each requested result by two levels, its 95 % interval, and the counts it needs.
 
-    ``study_value`` is of the study's numerics alone, ``least_percent`` the half-width with ``most``
-    surfaces closed by both; minutes are those of one more surface of all cases.
+    ``study_value`` is the result of the study's numerics alone. ``least_percent`` is the half-width
+    if `Accuracy.most` surfaces were simulated with both numerics. Core minutes are those of one
+    more surface, or one more difference, of all cases.
     """
     costs = [part.timing_simulation.mean("realization").values for part in (study, finest)]
     reach = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, accuracy.most - 1) / math.sqrt(accuracy.most)
@@ -99,7 +101,10 @@ def reached_table(
 
 
 def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Iterator[tuple]:
-    """Generate means (harmonic of stiffnesses) of all cases and cycles that joints have."""
+    """Generate coordinates, `Counts`, case and `Estimate` of the mean of each quantity ``names``.
+
+    There is one for each case and cycle. Means of stiffnesses are harmonic.
+    """
     pairs = finest.sizes["realization"]
     good = succeeded(study).values
     fine_good = succeeded(finest).values
@@ -125,12 +130,12 @@ def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Ite
 
 
 def _shown(value: float, scale: float, harmonic: bool) -> float:
-    """Return a mean, or one over it, in the unit in which it is shown."""
+    """Return a mean (its reciprocal if harmonic) in the unit in which it is shown."""
     return scale / value if harmonic else scale * value
 
 
 def _mean(cheap: np.ndarray, fine: np.ndarray) -> Estimate:
-    """Return the mean of n surfaces, of which the first k are closed by the finest numerics."""
+    """Estimate the mean of n surfaces, of which the first k have values by the finest numerics."""
     if fine.size < 2:
         return _UNKNOWN
     differences = fine - cheap[: fine.size]
@@ -145,11 +150,12 @@ _UNKNOWN = Estimate(Interval(*[math.nan] * 3), math.nan, math.inf, (math.inf, ma
 
 
 def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> Iterator[tuple]:
-    """Generate indifference intervals, in percent of the rock's value.
+    """Generate coordinates, `Counts`, cases and `Estimate` of indifference intervals.
 
-    The logarithm of a length is linear in the surfaces to first order; their contributions to it
-    are those of a jackknife. The difference to the finest numerics is that of the logarithms of
-    both lengths on the surfaces that both have closed, for the test with all surfaces.
+    Estimates are in percent of the rock's value. The logarithm of a length is linear in the
+    surfaces to first order; their contributions to it are found by jackknife. The difference to the
+    finest numerics is that of the logarithms of both lengths, on the surfaces that both have
+    simulated, by the test with the number of all surfaces.
     """
     pairs = finest.sizes["realization"]
     both = (succeeded(study).values[:, :pairs] & succeeded(finest).values).all(axis=0)
@@ -187,7 +193,11 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
 
 
 def _log_length(response: Response, significance: float, surfaces: int) -> tuple[float, np.ndarray]:
-    """Return the logarithm of a length, NaN without one, and contributions (group, n) to it."""
+    """Return the logarithm of a length (NaN if there is none), and contributions (group, n) to it.
+
+    ``surfaces`` is the number in the t test. Groups are the levels, or a single one if the test is
+    paired.
+    """
     samples = response.samples
     n = response.samples.shape[1]
     if response.paired:
@@ -221,7 +231,15 @@ def _spread(contributions: np.ndarray) -> float:
 
 
 def start_counts(price: pd.DataFrame, accuracy: Accuracy) -> Counts:
-    """Return the counts to start with, fewer for a small budget; `InputError` if it buys no two."""
+    """Return the counts to start with: `START`, or fewer if the budget of processor time is small.
+
+    ``price`` has the columns ensemble, cases and seconds (of a joint).
+
+    Raises
+    ------
+    InputError
+        If the budget does not suffice for two surfaces and two differences.
+    """
     joints = price.groupby("ensemble").seconds.max()
     minutes = (price.cases * price.seconds).groupby(price.ensemble).sum() / 60.0
     counts = START
@@ -244,7 +262,12 @@ def _core_minutes(counts: Counts, surface: float, difference: float) -> float:
 
 
 def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Counts | None:
-    """Return the counts to continue with, at most doubled; None if all is met or spent."""
+    """Return the counts of the next round; None if there is none.
+
+    ``table`` is that of `reached_table` for the counts ``closed``. Counts are at most doubled, or
+    increased by a block if the expected ones did not suffice. There is no next round if all results
+    are accurate enough, or if the budget or the largest number of realisations is reached.
+    """
     missing = table[~table.met]
     most = accuracy.most
     if missing.empty:
@@ -254,7 +277,7 @@ def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Coun
         max(have, min(step * math.ceil(need / step), 2 * have))
         for need, step, have in zip(needed, (BLOCK, FEW), closed, strict=True)
     )
-    if (surfaces, differences) == closed:  # what was expected did not suffice
+    if (surfaces, differences) == closed:  # the expected counts did not suffice
         surfaces = surfaces + BLOCK
         differences = differences + FEW
     budget = accuracy.budget_core_minutes
@@ -274,7 +297,7 @@ def _prices(table: pd.DataFrame) -> tuple[float, float]:
 
 
 def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True) -> str:
-    """Describe in a sentence what was reached, and if it has ``ended``, why not more."""
+    """Describe the reached accuracy in a sentence; if the study has ``ended``, also its limit."""
     if table.empty:
         return f"accuracy: this study has no {accuracy.of}"
     worst = table.loc[table.half_width_percent.idxmax()]

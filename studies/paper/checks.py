@@ -17,15 +17,16 @@ from studies.paper.requirements import REPORTED
 
 VOLUME_TOLERANCE = 1e-12
 REMARKED = "simulations flagged"
-"""How the name of a check begins that counts joints with a remark."""
+"""Beginning of the names of checks that count joints with a remark."""
 FEWEST = 2
 """Smallest number of realisations of a case for which a standard deviation exists."""
 
 
 def flow_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate apertures [mm] over all coordinates of joints; ``blocked`` have no flow.
+    """Tabulate apertures [mm] of joints by case, cycle, branch, direction of flow and stress.
 
-    Of the ``unknown`` only bounds of the flow are known: they are in no mean, nor in ``samples``.
+    ``samples`` is the number of joints in the means, of which ``blocked`` have no flow. Joints for
+    which only bounds of the flow are known are left out; ``unknown`` is their number.
     """
     good = study.where(succeeded(study))
     apertures = xr.Dataset(
@@ -50,12 +51,15 @@ def flow_table(study: xr.Dataset) -> pd.DataFrame:
 
 
 REMARKS = {mask: name for mask, name in FLAGS.items() if mask < FAILURE}
-"""Bits of the status of joints that are used with a remark, and its name."""
+"""Names of the remarks on joints that are used, by bit of the status."""
 
 
 def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate how many joints (n) that are used have a remark, by case and cycle, and what mean
-    maximum closures [mm] are without them: the change [%], with its standard error.
+    """Tabulate joints with a remark, and the change [%] of mean maximum closures without them.
+
+    There is a row for each remark, case that has such joints, and cycle: the number of ``joints``
+    with the remark, of all ``samples`` that are used, the means [mm] with and without them, and the
+    change with its standard error.
     """
     good = succeeded(study).transpose("case", "realization").values
     statuses = study.status.transpose("case", "realization").values
@@ -83,10 +87,10 @@ def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
 
 
 def _change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
-    """Return the relative change of the mean of values (n,) where those marked are left out.
+    """Return the relative change of the mean of values (n,) when the marked ones are left out.
 
-    It is the share of those times the difference of the means of both groups, whose error is that
-    of their pooled variance; NaN if none is left.
+    It is the share of the marked values times the difference of the means of both groups. Its error
+    follows from their pooled variance. It is NaN if no value is left.
     """
     left = values[~marked]
     out = values[marked]
@@ -101,7 +105,11 @@ def _change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
 
 
 def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tuple[str, str]]:
-    """Describe the joints with a remark: all, the largest change without them, and each case."""
+    """Return names and texts of checks of the joints with a remark.
+
+    The first has their number among ``total`` joints, the second the largest change of a mean
+    without them, and one more for each case the same of this case.
+    """
     rows = remarked[remarked.remark == remark]
     cases = list(rows.groupby("case", sort=False))
     name = f"{REMARKED} {remark}"
@@ -122,7 +130,7 @@ def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tu
 
 
 def most_changed(remarked: pd.DataFrame) -> pd.Series | None:
-    """Return the row with the largest change of a mean, if any joints are left in a case."""
+    """Return the row of `remarked_joints` with the largest change; None if no change is known."""
     sizes = remarked.change_percent.abs().dropna()
     return remarked.loc[sizes.idxmax()] if len(sizes) else None
 
@@ -139,7 +147,11 @@ def change_in_words(row: Any) -> str:
 def check_results(
     study: xr.Dataset, numerics: Numerics, realizations: int, ensemble: str = "cases"
 ) -> pd.DataFrame:
-    """Check what must hold for every successful simulation of an ensemble."""
+    """Tabulate checks of the simulations of an ensemble: required, found, and whether passed.
+
+    ``numerics`` are those of the ensemble, ``realizations`` its number for each case. Checks
+    without a limit (`REPORTED`) are always passed.
+    """
     good = succeeded(study)
     rows = []
 

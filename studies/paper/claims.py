@@ -1,4 +1,7 @@
-"""The paper's claims and their criteria, for a model and for studies; a real study has R = 1."""
+"""The paper's claims, and criteria of their truth in the model and of confirmation by studies.
+
+Criteria for studies are evaluated for R repetitions at once; a real study has R = 1.
+"""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -25,18 +28,18 @@ FOUND = ("found_share", "found_error", "found_low", "found_high")
 
 
 class Findings(NamedTuple):
-    """Studies (R) of some rocks: responses by (rock, parameter), and names of the targets."""
+    """Results of R studies: responses by (rock, parameter), names (variable, cycle) of targets."""
 
     drawn: dict[tuple[str, str], DrawnResponse]
     names: tuple[tuple[str, int], ...]
 
     def rocks(self, parameters: tuple[str, ...]) -> list[str]:
-        """Return the rocks, in order, of which all these parameters are varied."""
+        """Return the rocks of which all these parameters are varied, in order."""
         rocks = dict.fromkeys(rock for rock, _ in self.drawn)
         return [rock for rock in rocks if all((rock, one) in self.drawn for one in parameters)]
 
     def percents(self, rock: str, cycle: int, variable: str) -> dict[str, np.ndarray]:
-        """Return lengths (R,) in percent of the rock's value, by parameter; infinite if no root."""
+        """Return lengths (R,) [% of the rock's value] by parameter; infinite if no root."""
         return {
             parameter: 100.0 * self.lengths(parameter, rock, cycle, variable) / abs(response.base)
             for (name, parameter), response in self.drawn.items()
@@ -48,17 +51,17 @@ class Findings(NamedTuple):
         return self.drawn[rock, parameter].lengths[:, self.names.index((variable, cycle))]
 
     def means(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return means (R, levels)."""
+        """Return mean closures (R, levels) [m]."""
         return self.drawn[rock, parameter].means[:, self.names.index((variable, cycle))]
 
     def smoothed(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return the means (R, 3) of `smoothed_by_all_levels`."""
+        """Return mean closures (R, 3) [m] of `smoothed_by_all_levels`."""
         levels, base, *_ = self.drawn[rock, parameter]
         means = self.means(parameter, rock, cycle, variable)
         return smoothed_by_all_levels(levels, means, base)[1]
 
     def base_means(self, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return means (R,) of the base case of the rock."""
+        """Return mean closures (R,) [m] of the base case of the rock."""
         parameter = next(parameter for name, parameter in self.drawn if name == rock)
         levels, base, *_ = self.drawn[rock, parameter]
         at_base = int(np.flatnonzero(levels == base)[0])
@@ -70,8 +73,8 @@ def smoothed_by_all_levels(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the lowest, the middle and the highest of levels (k,), and the means (..., 3) there.
 
-    The means are those of the quadratic that is fitted to the means (..., k) of all levels, Eq.
-    (24), so that each further level makes them more certain. Three levels have their own means.
+    The means are those of the quadratic, Eq. (24), that is fitted to the means (..., k) of all
+    levels, so that more levels make them more certain. With three levels they are not changed.
     """
     three = levels[[0, levels.size // 2, -1]]
     if levels.size == 3:
@@ -107,20 +110,23 @@ class Elasticities(NamedTuple):
         return self.by_cycle[parameter, cycle]
 
     def slopes(self, parameter: str, cycle: int, variable: str) -> list:
-        """Return the elasticity itself in place of those of the halves of the levels."""
+        """Return the elasticity, which stands for those of both halves of the levels."""
         return [self.by_cycle[parameter, cycle]]
 
     def change(self, parameter: str, cycle: int, change: float) -> Any:
-        """Return the relative change of the closure with a change, by a power of the parameter."""
+        """Return the closure's relative change with a change of the parameter, by a power law."""
         return (1.0 + change / self.bases[parameter]) ** self.by_cycle[parameter, cycle] - 1.0
 
 
 class ClosureStatement(NamedTuple):
-    """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
+    """Statement on a closure of a cycle in one rock, and its criteria.
 
-    It is true if all ``margins`` of a model exceed ``above``, or lie ``within`` it; ``finds`` are
-    the studies (R,) that confirm it. ``alike`` is the largest difference that counts as none;
-    ``before``: it compares with the cycle before; ``of_elasticities``: it needs only these.
+    ``margins`` returns numbers by name, from a model, the cycle and the variable of the closure.
+    The statement is true of the model if all margins exceed ``above``; if ``within`` is set, if the
+    sizes of all are below ``above``. ``finds`` returns whether studies (R,) confirm the statement.
+    ``parameter`` is its subject, and ``parameters`` are all that must be varied. ``alike`` is the
+    largest margin that counts as no difference. If ``before`` is set, it compares the cycle with
+    the one before. If ``of_elasticities`` is set, margins need only `Elasticities`.
     """
 
     number: str
@@ -140,7 +146,7 @@ class ClosureStatement(NamedTuple):
         return (cycle - 1, cycle) if self.before else (cycle,)
 
     def least(self, model: Any, cycle: int, variable: str = TARGET) -> np.ndarray:
-        """Return the smallest of its margins; with ``within`` the least distance to the bound."""
+        """Return the smallest margin; if ``within`` is set, the least distance to the bound."""
         margins = list(self.margins(model, cycle, variable).values())
         if self.within:
             return self.above - np.max(np.abs(margins), axis=0)
@@ -156,18 +162,24 @@ class ClosureStatement(NamedTuple):
         return Limits(*(min(ends) for ends in zip(*intervals, strict=True)))
 
     def true_above(self) -> float:
-        """Smallest `least` margin for which the statement is true."""
+        """Return the bound that `least` must exceed for the statement to be true."""
         return 0.0 if self.within else self.above
 
 
 def _shortest(percents: dict[str, np.ndarray], parameter: str, place: int = 0) -> np.ndarray:
-    """Return whether ``place`` other intervals (R,) are shorter, and this one is finite."""
+    """Return for each study (R,) whether ``place`` other intervals are shorter than a parameter's.
+
+    The interval of the parameter must be finite.
+    """
     shorter = (np.array(list(percents.values())) < percents[parameter]).sum(axis=0)
     return (shorter == place) & np.isfinite(percents[parameter])
 
 
 def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
-    """Return whether no other interval (R,) is longer, and some are finite."""
+    """Return for each study (R,) whether no interval is longer than the parameter's.
+
+    At least one must be finite.
+    """
     every = np.array(list(percents.values()))
     return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
 
@@ -175,7 +187,7 @@ def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
 def _ranked(
     number: str, text: str, parameter: str, finds: Callable, *pairs: tuple[str, str]
 ) -> ClosureStatement:
-    """Make the statement that closure is more sensitive to the first of each pair."""
+    """Make the statement that closure is more sensitive to the first property of each pair."""
 
     def margins(model: Any, *at: Any) -> dict[str, Any]:
         size = {name: np.abs(model.elasticity(name, *at)) for name in PROPERTIES}
@@ -211,7 +223,7 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Closur
 def _trend(number: str, text: str, parameter: str, sign: int) -> ClosureStatement:
     """Make the statement that closure rises (sign 1) or falls (-1) with a parameter.
 
-    It is judged in both halves of the parameter's range, each by all levels together.
+    It is judged in both halves of the parameter's range, by the quadratic through all levels.
     """
     name = f"{'rise' if sign > 0 else 'fall'} with {SYMBOLS[parameter]}"
     return ClosureStatement(
@@ -277,19 +289,19 @@ HYSTERESIS = _positive("6a", "Unloading shows hysteresis", LOOP)
 SOFT_AT_FIRST = _positive("6b", "Low stresses close more than high ones", EXCESS)
 
 UNJUDGED = _positive("8", "No sensitivity study can judge it", "")
-"""Statement of a claim on no cycle, whose margins are never computed."""
+"""Statement of claims without cycles; its margins are never computed."""
 
 OURS = "ours"
-"""Source of a claim that is a variant added here and not in the paper."""
+"""Section of a claim that is not in the paper, but a variant added by this study."""
 TABLE_3 = "table 3"
 
 
 class Claim(NamedTuple):
     """Claim: a statement on some cycles, of gross or net closures.
 
-    ``section``: of the paper, or `OURS`. ``statement``: `UNJUDGED` if no sensitivity study can
-    judge it. ``shown``: where the paper has numbers, `TABLE_3` for entries of the
-    statement's parameter. ``negated``: the statement is *not* true in every rock.
+    ``section`` is that of the paper, or `OURS`. The statement is `UNJUDGED` if no sensitivity study
+    can judge it. ``shown`` is where the paper has numbers: `TABLE_3` for entries of the statement's
+    parameter. If ``negated`` is set, the claim is that the statement is *not* true in every rock.
     """
 
     number: str
@@ -313,7 +325,11 @@ class Claim(NamedTuple):
         return [c for c in self.cycles if cycles.issuperset(self.statement.cycles(c))]
 
     def found_in(self, studies: Findings) -> np.ndarray | None:
-        """Return whether studies (R,) confirm it for all rocks; None if no rock can be judged."""
+        """Return for each study (R,) whether it confirms the claim; None if no rock can be judged.
+
+        A study confirms it if the statement is true in every rock and cycle; if the claim is
+        negated, if it is not true in every one.
+        """
         cycles = self.cycles_among(studies.names)
         if not cycles or not (rocks := studies.rocks(self.statement.parameters)):
             return None

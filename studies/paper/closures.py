@@ -45,10 +45,11 @@ def estimate_columns(name: str, estimate: errors.Estimate, scale: float = 1.0) -
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate means, deviations [mm] and n of closures by case and cycle, with errors.
+    """Tabulate means and standard deviations [mm] of closures by case and cycle, with errors.
 
-    Cases of common draws also have the change of the mean from the rock's base case, with the
-    error of the differences on the same surfaces.
+    ``samples`` is the number of joints. With ``covariates`` there are also means and deviations
+    that they adjust. Cases of common draws have the change of the mean from the rock's base case,
+    with the error of the differences on the same surfaces.
     """
     good = succeeded(study).values
     rows = []
@@ -74,7 +75,7 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
 
 
 def _paired_with(study: xr.Dataset, place: int) -> int | None:
-    """Return the place of the base case of a case, if both were closed on the same surfaces."""
+    """Return the place of a case's base case; None if their surfaces differ, or for base cases."""
     rock = str(study.rock.values[place])
     if study.parameter.values[place] == BASE or not same_surfaces(study, rock):
         return None
@@ -82,7 +83,7 @@ def _paired_with(study: xr.Dataset, place: int) -> int | None:
 
 
 def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
-    """Return mean and standard deviation [mm] of a target, and their standard errors."""
+    """Return columns of mean and standard deviation [mm] of a target, with standard errors."""
     mean = errors.Estimate(np.nan, np.nan)
     deviation = _UNKNOWN
     variation = _UNKNOWN
@@ -155,14 +156,17 @@ def _coefficients(response: Response, size: float) -> dict:
 def _responses(
     ensemble: xr.Dataset, covariates: Covariates | None
 ) -> Iterator[tuple[dict, Response, Response]]:
-    """Generate what names a response, and the response of gross and of net closure."""
+    """Generate rock, parameter and cycle of each response, and it of gross and of net closure."""
     both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
     for gross, net in zip(*both, strict=True):
         yield {name: getattr(gross, name) for name in _RESPONSE}, gross, net
 
 
 def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors."""
+    """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors.
+
+    They are those of gross and net closure, and with ``covariates`` of adjusted means.
+    """
     rows = []
     for row, gross, net in _responses(ensemble, covariates):
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
@@ -199,7 +203,11 @@ def indifference_table(
     root_seed: int,
     covariates: Covariates | None = None,
 ) -> pd.DataFrame:
-    """Tabulate indifference intervals by the study's test, and by the published one (unpaired)."""
+    """Tabulate indifference intervals by the study's test, and by the paper's, which is unpaired.
+
+    Lengths are in the units of Table 1, for gross and net closure (suffix ``_net``), and with
+    ``covariates`` from adjusted means. ``root_seed`` is that of the bootstrap.
+    """
     rows = []
     for row, gross, net in _responses(study, covariates):
         unit = PROPERTIES[gross.parameter]
@@ -223,7 +231,7 @@ def indifference_table(
 def _interval(
     response: Response, size: float, statistics: "Statistics", root_seed: int, suffix: str
 ) -> dict:
-    """Return an interval by the table's test with its bootstrap interval, and by the unpaired."""
+    """Return columns of an interval: by its test with bootstrap errors, and by the unpaired."""
     unpaired = _tested(response._replace(paired=False), size, statistics.significance)
     row = _tested(response, size, statistics.significance) if response.paired else unpaired
     name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
@@ -254,7 +262,7 @@ def _settings(response: Response, statistics: "Statistics") -> dict[str, Any]:
 def _adjusted_interval(
     response: Response, size: float, statistics: "Statistics", root_seed: int
 ) -> dict:
-    """Compute the interval from adjusted means and deviations."""
+    """Return columns of the interval from adjusted means; empty if paired or without covariates."""
     if response.covariates is None or response.paired:
         return {}
     values, known, tell_scatter = response.covariates
@@ -297,7 +305,7 @@ def _tested(response: Response, size: float, significance: float) -> dict:
 def _linear_length(
     response: Response, interval: indifference.PairedInterval | indifference.IndifferenceInterval
 ) -> float:
-    """Return t sqrt(2/n) S/|slope|: the length if mean and deviation are straight lines."""
+    """Return t sqrt(2/n) S/|slope| [SI]: the length if mean and deviation are straight lines."""
     if isinstance(interval, indifference.PairedInterval):
         return interval.linear_length
     mean = correlations.fit_quadratic(response.levels, response.means, response.base)
@@ -320,7 +328,10 @@ _READ = (
 def fit_table(
     study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
 ) -> pd.DataFrame:
-    """Tabulate the best-fitting realisation of each rock, for each measured cycle and for all."""
+    """Tabulate the realisation that fits each rock's measured curve best, by cycle and for all.
+
+    ``curves`` are by rock; ``seating_stress`` [Pa] is where closures of both begin.
+    """
     rows = []
     for rock, curve in curves.items():
         case = np.flatnonzero((study.rock == rock).values & (study.parameter == "base").values)[0]
@@ -339,7 +350,7 @@ def fit_table(
 
 
 def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:
-    """Compute squared differences (realization, points) [m2]; NaN where a realisation failed."""
+    """Compute squared differences (realization, points) [m2]; NaN for failed realisations."""
     good = succeeded(base).values
     columns = []
     for branch, stress, closure in branches:
@@ -350,7 +361,7 @@ def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:
 
 
 def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Return the closure at stresses, by a monotone cubic through the reached points."""
+    """Interpolate a closure curve at stresses by a monotone cubic; NaN beyond its known points."""
     reached = np.isfinite(closure)
     if reached.sum() < 2:
         return np.full(stress.shape, np.nan)

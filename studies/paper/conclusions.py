@@ -11,7 +11,7 @@ DEPENDS = "depends on what is unstated"
 ONLY_CONFIGURED = {
     verdict: f"{verdict} as configured" for verdict in (STANDS, FALLS, NO_DIFFERENCE)
 }
-"""Conclusions for which no reading of all rocks and no choice was tried, which is no agreement."""
+"""Conclusions from a verdict that neither a reading of all rocks nor a choice has put to a test."""
 NOT_JUDGED = "not judged"
 """Conclusion on a claim that a sensitivity study cannot judge."""
 UNJUDGED = frozenset(claim.number for claim in CLAIMS if not claim.cycles)
@@ -24,7 +24,7 @@ SHARES = ("share", "share_error", "share_low", "share_high")
 """Columns of the share of choices, here with the prefix ``choices_``."""
 COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": UNDECIDED}
 _RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
-"""Order of verdicts on a claim: the verdict on more rocks never has the higher rank."""
+"""Order of verdicts on a claim: with more rocks, the rank of the verdict never rises."""
 
 _MOST_NAMED = 3
 
@@ -38,10 +38,24 @@ def conclusion_table(
 ) -> pd.DataFrame:
     """Tabulate the evidence for each claim, and the conclusion.
 
-    Readings that contradict the paper's text do not count; one of only some rocks can contradict a
-    claim about all, but not confirm it. The conclusion is the verdict if no reading contradicts it
-    and the interval of the share of agreeing choices is above `NEARLY_ALL`, `DEPENDS` if a reading
-    does or this interval is below it, and `ONLY_CONFIGURED` if neither was tried.
+    Readings that contradict the paper's text do not count. A reading of only some rocks can refute
+    a claim about all, but not confirm it.
+
+    The conclusion is `DEPENDS` if a reading opposes the verdict, or if the 95 % interval of the
+    share of choices that agree with it is below `NEARLY_ALL`. It is the verdict if no reading
+    opposes it and this interval is above `NEARLY_ALL`, and undecided if the interval contains
+    `NEARLY_ALL`. Without choices it is the verdict, or that of `ONLY_CONFIGURED` if no reading of
+    all rocks was tried either.
+
+    Parameters
+    ----------
+    claims : DataFrame
+        Table of `judge_claims`.
+    jrc_range, readings : DataFrame, optional
+        Shares of studies that confirm the claims where JRC has a ``half_width``, and verdicts for
+        readings of the paper.
+    choices, margins : DataFrame, optional
+        Tables of `studies.global_sensitivity.table.conclusion_tables`.
     """
     rows = []
     for claim in claims.itertuples():
@@ -64,7 +78,7 @@ def _of_jrc(number: str, jrc_range: pd.DataFrame | None) -> dict:
 
 
 def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
-    """Return verdicts of the readings that the paper allows."""
+    """Count verdicts of readings that the paper allows, and name those that oppose a claim's."""
     column = f"claim {claim.number}"
     if readings is None or column not in readings:
         counts = [f"{kind}_{name}" for kind in ("readings", "partial") for name in COUNTS]
@@ -92,7 +106,11 @@ def _named(titles: list[str]) -> str:
 
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
-    """Return the share of the choices for which a claim is true in all rocks, least over cycles."""
+    """Return the share of the choices for which a claim is true in all rocks, and what moves it.
+
+    The cycle with the smallest share of the statement counts. ``moved_by`` is the input with the
+    largest share of the variance of its margin.
+    """
     claim = next(claim for claim in CLAIMS if claim.number == number)
     rows = _rows_of(choices, claim)
     answer: dict = {f"choices_{name}": np.nan for name in SHARES} | {"moved_by": ""}

@@ -32,7 +32,7 @@ from studies.paper.histories import simulate_again
 from studies.paper.layout import UNPAIRED_TEST, figure_text, roughness_title, test_name
 
 MOST_DRAWN = 500
-"""Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
+"""Largest number of surfaces whose curves are drawn; of a larger study the first are drawn."""
 _FEW_LINES = 20
 """Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
 _LAW_POINTS = 200
@@ -67,7 +67,10 @@ def draw_measured(
     seating_stress: float,
     cycles: Collection[int],
 ) -> str:
-    """Draw a rock's measured curve and each cycle's best realisation, and describe the misfit."""
+    """Draw the measured curve of a rock, and the realisation that fits each cycle best.
+
+    ``base`` are the joints of the rock's base case. The misfit is returned as lines for the title.
+    """
     if rock not in measured.curves:
         return ""
     curve = measured.curves[rock]
@@ -105,7 +108,7 @@ def _style(cycle: int) -> dict:
 
 
 def measured_handles(measured: Measurements) -> list:
-    """Return entries of the legend; none without measured curves."""
+    """Return legend entries of the measured curve and best fits; none without measured curves."""
     fits = [
         key(f"surface that fits cycle {cycle} best", **_style(cycle))
         for cycle in range(1, measured.cycles + 1)
@@ -113,8 +116,8 @@ def measured_handles(measured: Measurements) -> list:
     return [key(color="0.1", lw=1.6, label="measured curve"), *fits] if measured.curves else []
 
 
-def _surfaces(study: xr.Dataset, seating_stress: float | None) -> str:
-    """Describe the thin lines, which are stored at some stresses only."""
+def _surfaces_label(study: xr.Dataset, seating_stress: float | None) -> str:
+    """Return the legend's text for the thin lines, which join closures at the stored stresses."""
     number = study.sizes["realization"]
     lowest = 1e-6 * float(study.stress[1])
     every = "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
@@ -143,7 +146,7 @@ def equivalent_stress() -> Figure:
 
 @styled
 def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
-    """Draw both walls (y, x) [m], and the opening at first touch."""
+    """Draw both walls (y, x) [m] with ``spacing`` [m], and the opening at first touch."""
     figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
@@ -165,14 +168,14 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
 
 
 def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
-    """Return net closures since seating [m], or gross ones since the start of each cycle."""
+    """Return net closures since seating [m]; without a seating stress, gross ones of each cycle."""
     if seating_stress is not None:
         return since_seating(base)
-    return base.closure - base.residual_closure.shift(cycle=1, fill_value=0.0)  # of its cycle
+    return base.closure - base.residual_closure.shift(cycle=1, fill_value=0.0)
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:
-    """Return the realisation closest (RMS) to the mean of the first cycle, or the first one."""
+    """Return the realisation with the first cycle closest (RMS) to the mean; else the first."""
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = _curves(base, seating_stress).isel(cycle=0)
     curves = curves.where(curves.stress > (seating_stress or 0.0))
@@ -189,10 +192,12 @@ def closure_figure(
     measured: Measurements = Measurements(),
     history: Callable[[xr.Dataset, str, int], xr.Dataset | None] = simulate_again,
 ) -> Figure:
-    """Draw closure curves of each rock's base case, gross as the paper or net since seating.
+    """Draw closure curves of each rock's base case, with laws and measured curves.
 
-    The surface closest to the mean is drawn by its steps, of its ``history``; the others at the
-    stored stresses.
+    Closures are net since ``seating_stress`` [Pa]; if it is None, they are gross as in the paper.
+    The surface closest to the mean is drawn by all its steps, which ``history`` simulates from
+    study, case and realisation. The others are drawn at the stored stresses. ``strength_ratio`` is
+    that of rock and wall in the Barton-Bandis law.
     """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
@@ -224,7 +229,7 @@ def closure_figure(
     handles += [
         key(color="0.5", lw=2, label="surface closest to the mean, all steps of loading"),
         key(color="0.5", lw=2, ls="--", label="the same, unloading"),
-        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study, seating_stress)),
+        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces_label(study, seating_stress)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if seating_stress is not None:
@@ -294,10 +299,10 @@ class _Branches(NamedTuple):
 
 
 def _stored(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | None) -> _Branches:
-    """Return a branch from its stored stresses, with the ends of the cycle.
+    """Return a branch at the stored stresses and at its least and largest stress.
 
-    Below the first stored stress a gross closure rises by half of its maximum: no line joins it to
-    its end at zero stress, from which it is separated by a NaN.
+    Below the first stored stress a gross closure rises by half of its maximum. A NaN stands there,
+    so that no line joins the curve to its end at zero stress.
     """
     curves = 1e3 * _curves(base, seating_stress).sel(cycle=cycle, branch=branch)
     first = seating_stress or 0.0
@@ -333,7 +338,7 @@ def _end_of(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | N
 def _by_steps(
     joint: xr.Dataset, cycle: int, branch: str, seating_stress: float | None
 ) -> _Branches:
-    """Return a branch of one joint by all of its steps."""
+    """Return a branch of one joint at all of its steps, by ascending stress."""
     history = history_of(joint)
     here = history.branch(cycle, branch).steps
     stress = history.stress[here]
@@ -356,7 +361,10 @@ def _draw_cycle(
     axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float | None,
     history: xr.Dataset | None,
 ) -> None:  # fmt: skip
-    """Draw every surface, the band, and the surface closest to the mean by its steps."""
+    """Draw a cycle: every surface, the band of loading, and the surface closest to the mean.
+
+    The last is realisation ``chosen``, drawn by its ``history`` if there is one.
+    """
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     colour = f"C{cycle - 1}"
     for branch, line in BRANCH_LINES.items():
@@ -386,7 +394,7 @@ def _mean_style(cycle: int) -> dict[str, Any]:
 
 
 def _draw_mean(axes, base: xr.Dataset, cycle: int, seating_stress: float | None) -> None:
-    """Draw the mean closure at each stress that as many surfaces reach as any."""
+    """Draw the mean closure at the stresses that the largest number of surfaces reaches."""
     for branch in BRANCH_LINES:
         closures, stresses = _stored(base, cycle, branch, seating_stress)
         count = np.isfinite(closures).sum(axis=0)
@@ -458,7 +466,7 @@ def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
 
 
 def _panels(parameters: list[str], cycles: list[int], panel: tuple, margin=(0.0, 0.0), **shared):
-    """Return a figure with a row for each cycle, a column for each parameter, and its panels."""
+    """Return a figure with rows of cycles and columns of parameters, and its panels by both."""
     shape = (len(cycles), len(parameters))
     figure, grid = panel_grid(*shape, panel, margin, **shared)
     named = dict(zip(itertools.product(cycles, parameters), grid.flat, strict=True))
@@ -469,7 +477,7 @@ def _panels(parameters: list[str], cycles: list[int], panel: tuple, margin=(0.0,
 
 @styled
 def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
+    """Draw indifference intervals of this study, and of the paper, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
     figure, panels = _panels(parameters, cycles, (3.1, 2.9), (0.0, 0.8), sharex=True)
@@ -526,9 +534,9 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
     """Draw mean maximum gross closure over each parameter.
 
-    The values of several rocks are relative to those of their base cases, those of one rock are in
-    the unit of the parameter. On common surfaces the errors are those of changes: what surfaces
-    have in common cancels.
+    Values of the parameter are relative to those of the base cases; if there is one rock only, they
+    have the unit of the parameter. On common surfaces the errors are those of changes from the base
+    case on the same surfaces, in which the scatter of surfaces largely cancels.
     """
     parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
@@ -597,7 +605,10 @@ _TICKS = (1, 3, 10, 30, 100, 300)
 def predictive_figure(
     drawn: xr.Dataset, paper: pd.DataFrame, rocks: dict[str, StudyRock], draws: int
 ) -> Figure:
-    """Draw predicted lengths over repetitions of the study, of the null model, and of the paper."""
+    """Draw lengths over repetitions of the study and of the null model, and those of the paper.
+
+    ``drawn`` is the dataset of `lengths_dataset`, ``draws`` the number of surfaces of a repetition.
+    """
     parameters = [p for p in PROPERTIES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
     names = [name for name in rocks if name in set(drawn.rock.values.tolist())]
@@ -632,7 +643,7 @@ def predictive_figure(
 
 
 def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
-    """Draw one rock's row: densities, median and 90 % range of the model, and shares of dashes."""
+    """Draw one rock's row: densities, and the model's median, 90 % range and share of dashes."""
     centres = np.sqrt(_BINS[:-1] * _BINS[1:])
     for values, style, zorder in (
         (null, {"color": _NULL, "lw": 0}, 1),

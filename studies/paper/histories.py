@@ -1,4 +1,4 @@
-"""Histories of single joints of a finished study, whose dataset has no steps."""
+"""Steps of single joints of a finished study, simulated again as its dataset has no steps."""
 
 import json
 from functools import lru_cache
@@ -15,7 +15,7 @@ from studies.frame.yaml_files import merged
 
 
 def simulate_again(study: xr.Dataset, case: str, realization: int) -> xr.Dataset:
-    """Simulate a joint of a study again, by the configuration in its dataset."""
+    """Simulate a joint of a study again by the configuration in its dataset; return all steps."""
     scene = str(study.scene.sel(case=case).item())
     return _closed(study.attrs["configuration"], scene, case, realization)
 
@@ -37,5 +37,5 @@ def _closed(stated: str, scene: str, label: str, realization: int) -> xr.Dataset
 
 
 def _configuration(stated: str) -> Configuration:
-    """Read the keys in a dataset; it lacks those that change no closure (`closed_keys`)."""
+    """Read the keys of a dataset; those that it lacks (see `closed_keys`) have their defaults."""
     return resolved(merged(merged_study(), json.loads(stated)))

@@ -1,10 +1,13 @@
 """Judgement of the paper's claims: their truth in the model, and confirmation by a study.
 
-True of the model: a claim *stands* if all margins (`studies.paper.claims`) are in the range where
-it is true, in all rocks, and *falls* if one is outside; for a comparison there is *no difference*
-if the smallest margin is within the tolerance; otherwise it is *undecided*. The 95 % intervals of
-one claim are simultaneous (Bonferroni). Confirmed by a study: the share of repetitions, with n
-independent draws at every level, in which the claim is true for all rocks by point estimates.
+The verdict on the model compares 95 % intervals of the margins (`studies.paper.claims`) with the
+range in which a claim is true. A claim *stands* if the intervals of all margins in all rocks are in
+this range, and *falls* if one is outside. A comparison shows *no difference* if the interval of the
+smallest margin is within the tolerance. Otherwise a claim is *undecided*. The intervals of one
+claim are simultaneous (Bonferroni).
+
+Confirmation by a study is the share of repetitions in which the claim is true for all rocks by
+point estimates. A repetition has n independent draws at every level.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -43,7 +46,12 @@ MARGIN_COLUMNS += ["decides"]
 
 
 class Evidence(NamedTuple):
-    """A study confirms claims, a pool (or the study itself) tells what is true."""
+    """Datasets by which claims are judged, and settings of the repetitions.
+
+    The verdict on the model is that of ``pool``, which may be the study itself. Repetitions of the
+    study, by ``design``, are drawn from the pool too. ``study`` shows which claims one study
+    confirms.
+    """
 
     study: xr.Dataset
     pool: xr.Dataset
@@ -54,7 +62,12 @@ class Evidence(NamedTuple):
 
 
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Judge all claims by both criteria; the smallest of the returned margins ``decides``."""
+    """Judge all claims by both criteria; return a table of claims, and one of their margins.
+
+    The margin of a rock that is smallest, in standard errors, ``decides``. ``paper`` is Table 3. In
+    a study without rocks of the paper, claims without margins and columns of the paper are left
+    out.
+    """
     samples = _samples(evidence.pool)
     design = evidence.design
     margins = {sample.rock: _margins(sample, design.critical_change) for sample in samples}
@@ -66,7 +79,7 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     margin_rows = []
     for claim in CLAIMS:
         asked = {rock: of[claim.number] for rock, of in margins.items() if claim.number in of}
-        verdict, of_model = _true(claim, asked, sizes)
+        verdict, of_model = _verdict_on_model(claim, asked, sizes)
         row: dict = {"number": claim.number, "claim": claim.text, "section": claim.section}
         row |= {"paper": _papers_figures(claim, paper, set(sizes)), "remark": claim.remark}
         row |= {"verdict": verdict, "found_here": _yes(claim.found_in(study))}
@@ -85,7 +98,10 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
 
 
 def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Frequency]:
-    """Return how often repetitions confirm each claim that can be judged, with the pool's error."""
+    """Return the share of repetitions that confirm each claim that can be judged.
+
+    Its error contains that of the pool, which is estimated from resampled pools.
+    """
     pools = sensitivities(samples)
     names = samples[0].names if samples else ()
 
@@ -166,10 +182,13 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estim
     return by_claim
 
 
-def _true(
+def _verdict_on_model(
     claim: Claim, asked: dict[str, dict[tuple, Estimate]], sizes: dict[str, int]
 ) -> tuple[str, list[dict]]:
-    """Return the verdict on the model, and rows of margins; the smallest of a rock decides."""
+    """Return the verdict on the model, and rows of the table of margins.
+
+    ``asked`` are the margins by rock, and ``sizes`` the numbers of surfaces by rock.
+    """
     if not asked:
         return UNDECIDED, []
     statement = claim.statement
@@ -195,7 +214,7 @@ def _yes(finds: np.ndarray | None) -> str | None:
 
 
 def as_found(samples: list[RockSample], significance: float) -> Findings:
-    """Return a real study as one of many: its means, and lengths as published."""
+    """Return the findings of a real study (R = 1): means, and lengths by the unpaired test."""
     drawn = {}
     for sample in samples:
         for parameter, (levels, cases, base) in sample.levels.items():
@@ -212,7 +231,7 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
 
 
 def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
-    """Return the paper's Table 3 as a study: lengths without means."""
+    """Return the findings of the paper's Table 3 as those of a study: lengths without means."""
     cycles = sorted({int(cycle) for cycle in paper.cycle})
     published = paper.set_index(["rock", "parameter", "cycle"]).paper_length.to_dict()
     drawn = {}
@@ -230,7 +249,7 @@ def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
 
 
 def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
-    """Return entries of the paper's Table 3 on a claim, or where else the paper shows it."""
+    """Return the paper's Table 3 on a claim as text, or where else the paper shows it."""
     if claim.shown != stated.TABLE_3:
         return claim.shown
     statement = claim.statement
@@ -250,7 +269,10 @@ Name = TypeVar("Name", bound=Hashable)
 
 
 class ClosedModel(NamedTuple):
-    """Mean closures (..., targets, cases) of a rock; ``critical``: significant change, in S."""
+    """Mean closures (..., targets, cases) of a rock, by which margins of claims are computed.
+
+    ``critical`` is the significant change of a mean closure over its standard deviation S.
+    """
 
     sample: RockSample
     means: np.ndarray
@@ -276,7 +298,7 @@ class ClosedModel(NamedTuple):
         return self._at_base(variable, cycle) / self._at_base(TARGET, cycle)
 
     def significant(self, cycle: int) -> Any:
-        """Return the relative change of a mean that is significant with the scatter of the rock."""
+        """Return the relative change of a mean closure that is significant, given the scatter."""
         scatter = self.critical * np.sqrt(self._at_base(SQUARE, cycle))
         return scatter / self._at_base(TARGET, cycle)
 
@@ -295,9 +317,10 @@ class ClosedModel(NamedTuple):
 def estimated(
     numbers: Callable[[np.ndarray], Mapping[Name, Any]], sample: RockSample
 ) -> dict[Name, Estimate]:
-    """Return numbers that depend on means, with errors to first order; what is common cancels.
+    """Return numbers that are functions of means, with their standard errors to first order.
 
-    ``numbers`` returns values (...) by name from means (..., targets, cases).
+    ``numbers`` returns values (...) by name from means (..., targets, cases). If cases have the
+    same surfaces, their covariances count, so that common scatter cancels.
     """
     targets, cases, n = sample.values.shape
     means = sample.values.mean(axis=2)

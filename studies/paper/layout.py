@@ -1,4 +1,4 @@
-"""Tables of a study as frames and texts, with the titles of users escaped."""
+"""Tables of a study as frames and texts, in which titles from users are escaped."""
 
 import contextlib
 import re
@@ -15,7 +15,7 @@ from studies.frame.rocks import StudyRock
 from studies.frame.settings import BASE, SIDES
 
 LONGEST_TITLE = 40
-"""Largest number of letters of a title in a figure; of a longer one the first are shown."""
+"""Largest number of letters of a title in a figure; longer ones are cut."""
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
@@ -38,12 +38,12 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 
 
 def roughness_title(rock: StudyRock) -> str:
-    """Describe a rock's walls for a figure: their JRC, or measured walls."""
+    """Describe a rock's walls for a figure: their JRC, or "scanned walls"."""
     return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
 
 
 def case_title(titles: Mapping[str, str], rock: str, parameter: str, level: str) -> str:
-    """Name a case by the title of its rock, and what is changed: "Slate, JRC high"."""
+    """Name a case by the title of its rock and by its change, such as "Slate, JRC high"."""
     if parameter == BASE:
         return titles[rock]
     return f"{titles[rock]}, {PROPERTIES[parameter].title} {level.replace('_', ' ')}"
@@ -78,7 +78,7 @@ def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level
 
 
 def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """Add the paper's lengths to intervals, and whether it has that row; none for other rocks."""
+    """Add the paper's lengths to intervals, and whether they are ``in_paper``, if any is."""
     keys = ["rock", "parameter", "cycle"]
     published = paper[[*keys, "paper_length", "paper_percent"]].assign(in_paper=True)
     beside = intervals.merge(published, on=keys, how="left", validate="1:1")
@@ -99,7 +99,7 @@ def interval_text(
 
 
 def _mark(row: pd.Series, column: str) -> str:
-    """Return marks: * root outside the levels, † negative deviation, ‡ no upper end."""
+    """Return marks: * root outside the levels, † negative deviation at it, ‡ no upper end."""
     if column in ("paper_", "unpaired_"):
         return ""
     endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
@@ -124,7 +124,10 @@ def closure_lines(closures: pd.DataFrame) -> list[str]:
 
 
 def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
-    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks."""
+    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks.
+
+    ``column`` selects intervals: a prefix of their columns ("paper_"), or a suffix ("_net").
+    """
     before, after = (column, "") if column.endswith("_") else ("", column)
     texts = [
         interval_text(
@@ -138,8 +141,8 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     return _by_cycle_and_rock(table.assign(text=texts), titles)
 
 
-def _shown(table: pd.DataFrame, titles: dict[str, str]) -> dict[str, str]:
-    """Return the titles of the rocks that a table has."""
+def _titles_in(table: pd.DataFrame, titles: dict[str, str]) -> dict[str, str]:
+    """Return the titles of those rocks that are in a table."""
     return {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
 
 
@@ -161,7 +164,7 @@ def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFr
 def table_3_markdown(
     table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
 ) -> str:
-    """Return Table 3 gross and net, and the paper's; for common draws with elasticities."""
+    """Return Table 3, gross, net and of the paper, as Markdown; with elasticities if paired."""
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
     test = test_name(table)
@@ -170,7 +173,7 @@ def table_3_markdown(
     if is_paired(table):
         if elasticities is not None and len(elasticities):
             shown = elasticities.assign(text=elasticities.elasticity_shown)
-            rows = markdown_rows(_by_cycle_and_rock(shown, _shown(shown, titles)))
+            rows = markdown_rows(_by_cycle_and_rock(shown, _titles_in(shown, titles)))
             about = "d ln(mean maximum closure)/d ln(property), with standard errors."
             lines += ["**Elasticities**", "", *rows, "", about, ""]
         lines += [PAIRED_NOTE, ""]
@@ -179,7 +182,7 @@ def table_3_markdown(
     if "paper_length" in table:
         parts[f"The paper, {UNPAIRED_TEST}"] = ("paper_", table[table.in_paper])
     for heading, (column, part) in parts.items():
-        rows = markdown_rows(table_3(part, _shown(part, titles), column))
+        rows = markdown_rows(table_3(part, _titles_in(part, titles), column))
         lines += [f"**{heading}**", "", *rows, ""]
     lines.append(_note(table))
     return "\n".join(lines) + "\n"
@@ -211,12 +214,12 @@ def _plain_markdown(title: str) -> str:
 
 
 def figure_text(title: str) -> str:
-    """Return a title as a text of a figure: no formula, no hidden entry of a legend, not long."""
+    """Return a title as text of a figure: escaped, shown in legends, and not too long."""
     shown = _one_line(title)
     if len(shown) > LONGEST_TITLE:
         shown = f"{shown[: LONGEST_TITLE - 1]}…"
-    shown = shown.replace("$", r"\$")  # two would begin and end a formula
-    return f" {shown}" if shown.startswith("_") else shown  # left out of legends
+    shown = shown.replace("$", r"\$")  # two would enclose a formula
+    return f" {shown}" if shown.startswith("_") else shown  # legends leave out "_..."
 
 
 def _plain_csv(cell):

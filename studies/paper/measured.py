@@ -13,7 +13,7 @@ from studies.frame.rocks import MeasuredFile
 
 
 class CurveSettings(NamedTuple):
-    """Settings for the check of the measured curve of a rock [SI], and its file."""
+    """File of a rock's measured curve, and settings [SI] by which the curve is checked."""
 
     measured: MeasuredFile
     max_normal_stress: float
@@ -22,7 +22,7 @@ class CurveSettings(NamedTuple):
 
 
 def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
-    """Return the settings of the measured curves by rock, for rocks of a study that have one."""
+    """Return the settings of the measured curves of a study by rock."""
     cycles = study.study.cycles
     seating = study.seating_stress
     return {
@@ -33,7 +33,14 @@ def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
 
 
 def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock."""
+    """Read and check measured curves by rock.
+
+    Raises
+    ------
+    InputError
+        If a file does not exist or is not a curve, or if a curve has more cycles or larger stresses
+        than the study.
+    """
     curves = {}
     for rock, of_rock in settings.items():
         about = of_rock.measured
@@ -51,7 +58,7 @@ def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCur
                     f"{file}, line {curve.line[here][0]}: cycle = {cycle}: the study has "
                     f"study.cycles = {of_rock.cycles}"
                 )
-            # apart from the scatter of a dense log, whose points are averaged
+            # branches average the points of a dense log, so that its scatter does not count
             highest = max(float(stress.max()) for stress, _ in curve.branches(cycle).values()
                           if stress.size)  # fmt: skip
             if highest > largest * (1.0 + 1e-12):

@@ -15,19 +15,23 @@ REST = "not judged"
 
 
 def intervals(table: list[dict], rocks: list[dict], of: str = "") -> str:
-    """Table 3 of the study, or ("paper_") of the paper."""
+    """Return Table 3 of the study, or (``of`` = "paper_") of the paper, as Markdown."""
     titles = {rock["rock"]: rock["title"] for rock in rocks}
     return "\n".join(markdown_rows(table_3(pd.DataFrame(table), titles, of)))
 
 
 def conclusions(table: list[dict]) -> list[list[str]]:
-    """Cells of the table of conclusions, by row."""
+    """Return the cells of the table of conclusions by row."""
     shown = concluded(pd.DataFrame(table))[COLUMNS].map(text)
     return shown.map(lambda words: words.partition(" (")[0]).to_numpy().tolist()
 
 
 def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
-    """Numbers of the paper's claims by verdict: configured, choices varied, readings averaged."""
+    """Count the paper's claims by verdict.
+
+    The three numbers of a verdict are those of the study as configured, of the conclusions with
+    choices varied, and of closures averaged over readings (``averages``).
+    """
     claims = pd.DataFrame(table).set_index("number")
     claims = claims[claims.section != OURS]
     averaged = pd.DataFrame(averages).set_index("number").verdict
@@ -41,5 +45,5 @@ def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
 
 
 def p(row: dict, name: str = "p") -> str:
-    """Probability with its standard error."""
+    """Format the probability ``name`` of a row with its standard error."""
     return probability(row[name], row[f"{name}_error"])

@@ -24,17 +24,18 @@ Lengths = dict[Entry, np.ndarray]
 _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
 """Parameters whose first-cycle entries are tested together for any effect beyond noise."""
 AGAIN = 16
-"""Sets of further repetitions from the pool itself, for the scatter of p by repetitions. Eight of
-them have as many repetitions as the first set."""
+"""Number of further sets of repetitions from the pool itself, for the scatter of p between
+repetitions. Eight sets together have as many repetitions as the first set."""
 _TEST = ("log_likelihood", "log_likelihood_error", "p", "p_error", "p_pool_error")
 
 
 class Predictive(NamedTuple):
     """Lengths [SI] (R,) of repetitions by entry, of the model and of the null model.
 
-    The first are drawn from the pool itself, the others from resampled pools, for the error due to
-    the pool. ``twice``: further ones of the resampled pools; ``same``: of the pool itself.
-    ``bases``: the rock's values [SI]. ``pool``: surfaces of each rock.
+    The first set of ``model`` and of ``null`` is drawn from the pool itself, the others are drawn
+    from resampled pools, for the error due to the pool. ``twice`` are second sets from the
+    resampled pools, and ``same`` are further ones from the pool itself. ``bases`` are the rock's
+    values [SI], ``pool`` the number of surfaces of each rock.
     """
 
     model: list[Lengths]
@@ -52,7 +53,7 @@ def predictive(
     root_seed: int,
     pools: int = repeated.RESAMPLED_POOLS,
 ) -> Predictive:
-    """Draw repetitions of the study from a pool."""
+    """Draw repetitions of a study from a pool, and from as many resampled ``pools``."""
     samples = maximum_closures(ensemble)
     pool = sensitivities(samples)
     cycles = [int(cycle) for cycle in ensemble.cycle.values]
@@ -84,21 +85,21 @@ def predictive(
 
 
 def median_pool_error(lengths: Predictive, entry: Entry) -> float:
-    """Return the standard error of a median length [SI] due to the pool; NaN if infinite."""
+    """Return the standard error of a median length [SI] due to the pool; NaN if one is infinite."""
     medians = [
         repeated.length_distribution(resampled[entry]).median for resampled in lengths.model[1:]
     ]
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
-def _with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
-    """Return the standard error of a probability, due to the repetitions and the pool."""
+def _error_with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
+    """Return the standard error of a probability: that due to repetitions with that of the pool."""
     of_pool = float(repeated.pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
 
 
 def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
-    """Return maximum closures of all rocks with at least two successful surfaces in every case."""
+    """Return maximum closures of rocks with levels and two surfaces that succeeded in all cases."""
     samples = [
         rock_sample(ensemble, rock, {TARGET: ensemble[TARGET]}) for rock in rocks_of(ensemble)
     ]
@@ -126,7 +127,11 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
 
 
 def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate each entry's distribution over repetitions, with probabilities of the paper's."""
+    """Tabulate the distribution of each entry over repetitions, in the units of Table 1.
+
+    Entries of the paper have the probability of a length at least as extreme, by the model and by
+    the null model.
+    """
     published = _published(paper)
     rows = []
     for entry, lengths in lengths_of_studies.model[0].items():
@@ -144,7 +149,7 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
         resampled = [drawn[entry] for drawn in lengths_of_studies.model[1:]]
         shares = [float(np.isinf(drawn).mean()) for drawn in resampled]
-        error = _with_pool(_error(share, lengths.size), shares, resampled)
+        error = _error_with_pool(_error(share, lengths.size), shares, resampled)
         row |= {"share_without_root": share, "share_error": error}
         row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
         if entry in published:
@@ -163,15 +168,15 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
         p = probability(of_pool, length * size)
         again = [probability(lengths, length * size) for lengths in resampled]
         error = sides * _error(p / sides, of_pool.size)
-        row |= {f"{prefix}p": p, f"{prefix}p_error": _with_pool(error, again, resampled)}
+        row |= {f"{prefix}p": p, f"{prefix}p_error": _error_with_pool(error, again, resampled)}
     return row
 
 
 def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     """Tabulate joint tests of the paper's entries: each row, each cycle, and the whole table.
 
-    ``p`` is the share of repetitions that are equally or less likely, dashes included; it scatters
-    more than binomially, as densities are estimated. ``null_p`` is of the null model.
+    ``p`` is the share of repetitions that are equally or less likely, dashes included. It scatters
+    more than a binomial share, as densities are estimated. ``null_p`` is that of the null model.
     """
     published = {
         entry: length * PROPERTIES[entry[1]].size
@@ -200,9 +205,12 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
 
 
 class _Evaluated(NamedTuple):
-    """Log-likelihoods by entry, computed once for all groups: of the pool, of resampled pools.
+    """Log-likelihoods by entry, computed once for all groups of entries.
 
-    ``same``: of sets from the pool itself, joined to as many repetitions as the first set.
+    ``jackknifed`` and ``crossed`` are those of the first set of repetitions, ``resampled`` and
+    ``further`` of two sets from each resampled pool. ``same`` are those of sets from the pool
+    itself, joined until they have as many repetitions as the first set. ``sizes`` are the
+    repetitions of the first set and of a resampled pool.
     """
 
     jackknifed: repeated.JackknifedLikelihood
@@ -213,7 +221,7 @@ class _Evaluated(NamedTuple):
     sizes: tuple[int, int]
 
     def test(self, places: list[int]) -> dict[str, float]:
-        """Return the test of some entries; empty where a closure without scatter has none."""
+        """Return the test of the entries at ``places``; empty if closures have no scatter."""
         log_likelihood, standard_error, p = self.jackknifed.of(places).test(self.crossed.of(places))
         if np.isnan(p):
             return {}
@@ -254,7 +262,7 @@ def _evaluated(
 
 
 def _tables(drawn: list[Lengths], entries: list[Entry]) -> list[np.ndarray]:
-    """Return tables (R, entries) of lengths [SI]."""
+    """Return a table (R, entries) of lengths [SI] for each set of repetitions."""
     return [np.array([lengths[entry] for entry in entries]).T for lengths in drawn]
 
 

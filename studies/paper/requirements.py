@@ -1,4 +1,4 @@
-"""Word of the table of checks, apart from the checks, whose libraries take long to load."""
+"""Word in the table of checks; it is not in `checks`, whose imports take long."""
 
 REPORTED = "reported only"
-"""What is required of a number for which there is no limit."""
+"""Entry of the column ``required`` for a number without a limit."""

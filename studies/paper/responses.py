@@ -1,4 +1,4 @@
-"""Responses of closures to the parameters of a rock, and covariates of surface pairs.
+"""Responses of closures to the parameters of a rock, and covariates of pairs of walls.
 
 Covariates are depths on the bearing-area curve of the summed heights, over the RMS slope Z2 of the
 walls' JRC. Walls of another JRC are the same walls scaled by Z2, so that these depths have the same
@@ -22,7 +22,7 @@ from jointclosure.statistics.indifference import (
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
 from jointclosure.walls.roughness import bearing_depths, z2_of_jrc
-from studies.frame.datasets import read_checked
+from studies.frame.checked_files import read_checked
 from studies.frame.settings import BASE, JointGrid, Synthesis, walls_of_seed
 from studies.frame.tables import succeeded
 
@@ -34,9 +34,10 @@ _REFERENCE_JRC = 10.0
 
 
 class Covariates(NamedTuple):
-    """Covariates (case, realization, covariate) [m per unit slope], NaN for scans, and known means.
+    """Covariates (case, realization, covariate) [m per unit slope], and their known means.
 
-    ``tell_scatter``: deviations are adjusted too, which is less accurate on later cycles.
+    They are NaN for scanned walls. With ``tell_scatter``, standard deviations are adjusted too,
+    which is less accurate on later cycles.
     """
 
     values: np.ndarray
@@ -53,7 +54,7 @@ class Covariates(NamedTuple):
 
 
 def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.ndarray:
-    """Compute `COVARIATES` (3,) [m] of two walls (y, x) [m] whose JRC corresponds to a slope Z2."""
+    """Compute `COVARIATES` (3,) [m per unit slope] of walls (y, x) [m]; ``z2`` is of their JRC."""
     summed = upper + lower
     depths = bearing_depths(summed, [0.01, 0.05])
     level = np.max(summed) - depths[1]
@@ -76,7 +77,7 @@ def measure_covariates(study: xr.Dataset, grid: JointGrid, surface: Synthesis) -
 
 
 def known_covariates(surfaces: int, root_seed: int, grid: JointGrid, surface: Synthesis) -> Known:
-    """Estimate the means of the covariates from separate surfaces that belong to no study."""
+    """Estimate means and covariance of the covariates from surfaces that belong to no study."""
     seeds = [seed_of(root_seed, "covariates", number) for number in range(surfaces)]
     values = _of_surfaces(seeds, _REFERENCE_JRC, grid, surface)
     return Known(values.mean(axis=0), np.cov(values.T), surfaces)
@@ -122,7 +123,7 @@ def from_dataset(dataset: xr.Dataset) -> Covariates:
 def read_covariates(file: str, study: xr.Dataset) -> Covariates | None:
     """Read the covariates of a study's surfaces in a file of `as_dataset`; None without a file.
 
-    Errors are as for `studies.frame.datasets.read_checked`.
+    Errors are as for `studies.frame.checked_files.read_checked`.
     """
     return from_dataset(read_checked(file, study.attrs["key"])) if file else None
 
@@ -133,7 +134,11 @@ def percent_of(length, base: float):
 
 
 class Response(NamedTuple):
-    """Target (level, realization) [m] over a parameter; ``paired``: on the same surfaces."""
+    """Closures ``samples`` (level, realization) [m] of a rock and cycle over a parameter.
+
+    ``base`` is the rock's value and ``levels`` are the values of the parameter [SI]. The samples
+    are ``paired`` if a realisation has the same surfaces at all levels.
+    """
 
     rock: str
     parameter: str
@@ -155,7 +160,10 @@ class Response(NamedTuple):
     def interval(
         self, significance: float, surfaces: int | None = None
     ) -> PairedInterval | IndifferenceInterval:
-        """Compute the indifference interval [SI] by its test, for another number of surfaces."""
+        """Compute the indifference interval [SI] by the paired or the unpaired test.
+
+        ``surfaces`` is the number of surfaces of the test, by default that of the samples.
+        """
         about = (significance, self.base)
         levels = self.levels
         base = self.base
@@ -171,7 +179,7 @@ class Response(NamedTuple):
 
 
 class Levels(NamedTuple):
-    """Levels (k,) of a parameter of a rock [SI], ascending; their cases; the value of the rock."""
+    """Ascending levels (k,) [SI] of a parameter, places of their cases, and the rock's value."""
 
     values: np.ndarray
     cases: np.ndarray
@@ -179,7 +187,10 @@ class Levels(NamedTuple):
 
 
 class RockSample(NamedTuple):
-    """Targets (targets, cases, n) [m] of a rock, of realisations that have all of them."""
+    """Values (targets, cases, n) [m] of a rock, of the realisations that have all of them.
+
+    ``names`` are the variable and cycle of each target, ``levels`` those of each varied parameter.
+    """
 
     rock: str
     names: tuple[tuple[str, int], ...]
@@ -220,7 +231,7 @@ def same_surfaces(study: xr.Dataset, rock: str) -> bool:
 
 
 def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Covariates | None:
-    """Select covariates for a cycle; None if there are none, or too few values."""
+    """Select covariates of a cycle at ``chosen`` cases and realisations; None if too few."""
     if covariates is None:
         return None
     of_cycle = covariates.of_cycle(cycle)
@@ -248,7 +259,7 @@ def responses(
 
 
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
-    """Return targets of all cases of a rock, for realisations with all of them."""
+    """Return variables of all cases of a rock, of the realisations that have all of them."""
     cases = np.flatnonzero((study.rock == rock).values)
     names = []
     values = []
@@ -269,7 +280,10 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
 
 
 def sensitivities(samples: list[RockSample]) -> dict[tuple[str, str], Sensitivity]:
-    """Return pools for drawing studies; cases on the same surfaces have pools of one name."""
+    """Return the pools from which studies are drawn, by rock and parameter.
+
+    Pools of cases on the same surfaces have the same name.
+    """
     by_parameter = {}
     for sample in samples:
         for parameter, levels in sample.levels.items():

@@ -42,7 +42,7 @@ class SizeSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate sizes that do not fit into one another, and walls that cannot be closed."""
+        """Generate what is not allowed: sizes that do not fit into each other, a wrong spectrum."""
         grid = configuration.grid
         surface = configuration.surface
         finest = self.spacing[0]

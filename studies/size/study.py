@@ -1,8 +1,8 @@
 """Experiment on the scale effect: nested patches of the same walls, at many sizes and spacings.
 
-Joints of a size scatter about a typical one by a factor, so means are those of logarithms. The mean
-over the patches of one size of a wall counts once, as these are not drawn independently. Scalings
-are products of powers, by which closures and stiffness of one size predict another.
+Joints of one size scatter by a factor, so means are those of logarithms. The mean over the patches
+of one size of a wall counts once, as these patches are not independent. A scaling is a product of
+powers of size or roughness, by which closures and stiffness of one size predict those of another.
 """
 
 import itertools
@@ -44,7 +44,7 @@ SCALINGS: dict[str, tuple[str, ...]] = {
     "depth of 5 %": ("depth_5",),
     "depth of 5 %, spacing": ("depth_5", "spacing"),
 }
-"""Candidates, and the variables whose powers they are."""
+"""Scalings that are tested, and the variables of which they are powers."""
 JUDGED = (
     "max_closure",
     "max_closure_net",
@@ -63,7 +63,7 @@ NUMBERS += ("largest_off_percent", "largest_off_error")
 
 
 def logs_of(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
-    """Compute logarithms, means over the patches of a wall; NaN where nothing was closed."""
+    """Compute logarithms of a quantity [SI], averaged over the patches of a wall; NaN if none."""
     values = run[name].sel(cycle=cycle) if "cycle" in run[name].dims else run[name]
     positive = values.where(values > 0.0)
     return positive.copy(data=np.log(positive.values)).mean("position")
@@ -74,8 +74,9 @@ def stacked(
 ) -> xr.Dataset:
     """Stack logarithms over (condition, realization), of the realisations that have all of them.
 
-    They are those of a quantity (``response``) and of `GEOMETRY`; patch, spacing and the longest
-    ``wave`` [m] are of the conditions.
+    The logarithms are those of the quantity ``name`` (``response``) and of `GEOMETRY`. Conditions
+    are spectrum, patch and spacing; they have their longest ``wave`` [m]. ``roll_offs`` [m] are by
+    spectrum.
     """
     logs = {"response": name} | {of: of for of in GEOMETRY}
     over = xr.Dataset({of: logs_of(run, one, cycle) for of, one in logs.items()})
@@ -95,7 +96,11 @@ def predictors_of(joints: xr.Dataset, scaling: tuple[str, ...]) -> np.ndarray:
 
 
 class Collapse(NamedTuple):
-    """Shares of the spread between conditions removed, and left (rms), on surfaces not fitted."""
+    """Exponents of a scaling, and their effect on surfaces to which they were not fitted.
+
+    ``removed`` is the share of the mean square spread between conditions that the scaling removes,
+    and ``left`` the root of the spread that is left.
+    """
 
     exponents: np.ndarray
     errors: np.ndarray
@@ -121,9 +126,11 @@ def exponents_of(predictors: np.ndarray, response: np.ndarray) -> np.ndarray:
 
 
 def spreads(predictors: np.ndarray, response: np.ndarray) -> tuple[float, float]:
-    """Return the mean square spread between conditions, before and after, by cross-validation.
+    """Return the mean square spread between conditions before and after scaling.
 
-    The variance of the means over surfaces is subtracted, so that it may be negative.
+    Exponents are fitted to every second surface and tested on the others, and the reverse.
+    Arguments are centred logarithms (k, condition, surface) and (condition, surface). The variance
+    of the means over surfaces is subtracted, so that the result may be negative.
     """
     halves = np.arange(response.shape[1]) % 2
     both = []
@@ -143,7 +150,7 @@ def _mean_square(values: np.ndarray) -> float:
 
 
 def collapse_of(predictors: np.ndarray, response: np.ndarray) -> Collapse:
-    """Fit exponents and evaluate their effect, with errors; arguments as for `spreads`."""
+    """Fit exponents and find their effect, with jackknife errors; arguments as for `spreads`."""
     before, after = spreads(predictors, response)
     powers = []
     shares = []
@@ -163,10 +170,11 @@ def collapse_table(
 ) -> pd.DataFrame:
     """Compute by how much each scaling reduces the spread between sizes (`BETWEEN`).
 
-    On realisations that were not fitted: ``removed_percent`` of the mean square spread and
-    ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra and
-    spacings of the error in the largest patch, predicted by fits without it. NaN where fewer than
-    `FEWEST` realisations have the quantity at every size. ``roll_offs`` [m] are by spectrum.
+    Scalings are tested on realisations to which they were not fitted. ``removed_percent`` is the
+    share of the mean square spread that is removed, ``left_percent`` the rms of ratios to the mean.
+    ``largest_off_percent`` is the rms error (over spectra and spacings) of the largest patch, when
+    it is predicted by fits without it. Numbers are NaN if fewer than `FEWEST` realisations have the
+    quantity at every size. ``roll_offs`` [m] are by spectrum.
     """
     rows = []
     for rock, run in runs.items():
@@ -218,7 +226,7 @@ def _off(
     joints: xr.Dataset, predictors: np.ndarray, groups: np.ndarray, pairs: np.ndarray,
     surfaces: np.ndarray,
 ) -> float:  # fmt: skip
-    """Compute the rms error [logarithm] of the largest patch, predicted by fits without it."""
+    """Compute the rms error [logarithm] of the largest patch, predicted by fits to smaller ones."""
     large, small = pairs
     response = joints.response.values
     squares = []
@@ -237,7 +245,7 @@ def _off(
 
 
 READ = (*JUDGED, "kni_net", "vm_net")
-"""Quantities of each cycle. Only first loadings land (`landing_stress`)."""
+"""Quantities that are read of each cycle."""
 SHOWN = (
     ("max_closure_seated_net", 1),
     ("max_closure_net", 1),
@@ -251,11 +259,11 @@ SHOWN = (
 def nested(
     settings: ClosureSettings, whole: tuple[int, float], base: float, position: int
 ) -> Iterator[Walls]:
-    """Generate patches of larger walls: the patch at a position on the diagonal, less its plane.
+    """Generate plane-detrended patches (y, x) [m] of larger walls, at a position on the diagonal.
 
     The walls of a realisation are the same for all patches and spacings. ``whole`` is the number of
     cells along a side of the walls, and their spacing [m]. They have the Z2 of their JRC at the
-    spacing ``base`` [m]. A coarser grid has every second (or fourth) cell.
+    spacing ``base`` [m]. A coarser grid has every so many-th cell of the walls.
     """
     cells, finest = whole
     grid = settings.grid
@@ -296,7 +304,7 @@ def size_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 
 def sizes_of(design: SizeSection, base: float) -> Iterator[tuple[float, float]]:
-    """Generate the patches and spacings [m] with few cells, or at the spacing of the base."""
+    """Generate patches and spacings [m] that have few enough cells, or the spacing ``base`` [m]."""
     for patch, spacing in itertools.product(design.patch, design.spacing):
         if round(patch / spacing) <= design.most_cells or spacing == base:
             yield patch, spacing
@@ -325,7 +333,7 @@ def _at(logs: xr.DataArray, size: tuple[float, float]) -> np.ndarray:
 
 
 def _ratio(logs: np.ndarray, base: np.ndarray) -> Estimate:
-    """Compute the geometric mean of ratios, from logarithms (n,) of the same walls."""
+    """Compute the geometric mean of ratios from logarithms (n,) and (n,) of the same walls."""
     known = (logs - base)[np.isfinite(logs - base)]
     if known.size < 2:
         return Estimate(np.nan, np.nan)
@@ -334,7 +342,7 @@ def _ratio(logs: np.ndarray, base: np.ndarray) -> Estimate:
 
 
 def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
-    """Compute geometric means at each size, and ratios to those of the base (side, spacing)."""
+    """Compute geometric means at each size, and ratios to those of the base (side, spacing) [m]."""
     rows = []
     for about, run in _spectra(runs):
         values = (run[name].values.tolist() for name in ("patch", "spacing", "cycle"))
@@ -360,9 +368,11 @@ def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.
 def exponent_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
     """Fit powers of patch length and of spacing, and test whether quantities are powers of these.
 
-    ``reading``: the quantity; ``cycle``: 0 for the pristine walls; ``of``: patch length at the
-    base's spacing, or spacing of the base's patch; ``change``: the exponent of the larger half of
-    the range less that of the smaller, and ``p`` that there is none (t test over realisations).
+    ``reading`` is the quantity, and ``cycle`` is 0 for those of the pristine walls. The power is
+    ``of`` the patch length at the base's spacing, or of the spacing at the base's patch. ``change``
+    is the exponent between the two largest sizes less that between the two smallest, and ``p`` the
+    probability of as large a change if there is none (t test over realisations). ``base`` is side
+    and spacing [m].
     """
     rows = []
     for about, run in _spectra(runs):
@@ -377,7 +387,7 @@ def exponent_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) ->
 
 
 def _power(size: np.ndarray, logs: np.ndarray) -> dict[str, float]:
-    """Fit a power of sizes (k,) to logarithms (k, realization), first for single realisations."""
+    """Fit a power of ``size`` (k,) to ``logs`` (k, realization), both logarithms, and test it."""
     known = logs[:, np.isfinite(logs).all(axis=0)]
     power = dict.fromkeys(("exponent", "error", "change", "change_error", "p"), np.nan)
     if len(size) < 2 or known.shape[1] < 2:
@@ -397,7 +407,12 @@ def barton_bandis_table(
     rocks: Mapping[str, tuple[float, float, float]],
     strength_ratio: float,
 ) -> pd.DataFrame:
-    """Compare changes from the smallest patch (JRC, sigma_c, stress) with the law's."""
+    """Compare changes from the smallest patch to larger ones with those of Barton and Bandis' law.
+
+    ``rocks`` has JRC, compressive strength and maximum stress [Pa] of each rock, those of the
+    smallest patch. ``base`` is side and spacing [m], ``strength_ratio`` the strength of the rock
+    over that of the wall.
+    """
     rows = []
     for rock, of_rock in runs.items():
         smallest, *larger = of_rock.patch.values.tolist()
@@ -423,7 +438,8 @@ def law_of_size(
 ) -> dict[str, float]:
     """Apply the law of Barton and Bandis to a joint so many ``times`` as long as a known one.
 
-    Stiffnesses [Pa/m] and closures [m], since seating, have the names of the model's.
+    Stiffnesses [Pa/m] and closures since seating [m] have the names of the model's quantities.
+    ``rock`` has JRC, compressive strength [Pa] and maximum stress [Pa] of the known joint.
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
@@ -456,7 +472,7 @@ def tabulate_laws(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataF
 
 
 def settings_of_tables(study: Configuration) -> dict[str, Any]:
-    """Return what the tables and the figure read of a study [SI]."""
+    """Return the settings [SI] of a study that its tables and its figure need."""
     spectra = study.section(SizeSection).spectra
     return {
         "base": base_of(study.grid),
@@ -471,7 +487,7 @@ def settings_of_tables(study: Configuration) -> dict[str, Any]:
 
 
 def draw_size(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw ratios of the first rock to the joints of the base; a power law is a straight line."""
+    """Draw the first rock's ratios to the base over size; a power law is a straight line."""
     sizes = tables["size"]
     table = sizes[sizes.rock == sizes.rock.iloc[0]]
     rows = [

@@ -1,4 +1,4 @@
-"""Walls that are difficult for a solver, and keys of hard_cases.yaml, extreme values allowed."""
+"""Walls that are difficult for a solver, and keys of hard_cases.yaml, with extreme values."""
 
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
@@ -14,7 +14,7 @@ from studies.frame.rocks import intact_keys
 
 
 def shapes(shape: tuple[int, int], height: float) -> dict[str, Callable[[], tuple]]:
-    """Return functions that make upper and lower wall (ny, nx) of each kind."""
+    """Return functions by kind of walls that make upper and lower wall (ny, nx) of a height [m]."""
     y, x = np.indices(shape)
     v, u = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in shape), indexing="ij")
     tie = np.random.default_rng(7)
@@ -39,9 +39,9 @@ def shapes(shape: tuple[int, int], height: float) -> dict[str, Callable[[], tupl
         "valleys": lambda: (height * (u**2 + v**2), height * (u**2 + v**2)),
         # every second cell a peak and the others valleys, in phase
         "egg_box": lambda: (height * np.where((y + x) % 2 == 0, 1.0, -1.0),) * 2,
-        # of one cell, along y above and along x below: they cross in single cells
+        # one cell wide, along y above and along x below: they touch in single cells
         "ridges": lambda: (height * (x % 3 == 1), height * (y % 3 == 1)),
-        # without curvature along them
+        # one cell wide, without curvature along them
         "parallel_ridges": lambda: (height * (x % 4 == 1),) * 2,
         # a level table: flat contacts inside, edges around
         "plateau": lambda: raised(tuple(slice(n // 4, n - n // 4) for n in shape)),
@@ -54,7 +54,13 @@ SHAPES = tuple(shapes((4, 4), 1.0))
 def hard_walls(
     kind: str, cells: tuple[int, int], spacing: float, height: float, jrc: float, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return upper and lower wall (ny, nx), heights towards the other wall [m]."""
+    """Return upper and lower wall (ny, nx), heights towards the other wall [m].
+
+    Raises
+    ------
+    InputError
+        If the kind does not exist.
+    """
     shape = cells[0], cells[1]
     if kind == "self_affine":
         return wall_pair(jrc, shape, spacing, seed=seed, roll_off=None)
@@ -81,9 +87,9 @@ class RockKeys(intact_keys(Keys)):
 
 
 def keys_like(values: Mapping[str, Any], **kinds: Any) -> type[Keys]:
-    """Return a model of keys of some kinds, or else of those of their default values.
+    """Return a model of keys that have the types ``kinds``, or else those of their default values.
 
-    Null stands for any number; a list has as many values as its default.
+    A default of null stands for a number or null. A list has as many values as its default.
     """
     kinds = {name: _kind_of(value) for name, value in values.items()} | kinds
     return pydantic.create_model("Keys", __base__=Keys, **{k: (v, ...) for k, v in kinds.items()})
@@ -113,7 +119,7 @@ class MustKeys(Keys):
 
 
 def case_keys(defaults: Mapping[str, Any]) -> type[Keys]:
-    """Return the keys of a case, merged over the defaults."""
+    """Return the model of the keys of a case that is merged over the defaults."""
     words = {"name": Name, "group": Name, "hard": Sentence, "must_hold": Sentence}
     return keys_like(
         defaults,

@@ -1,8 +1,8 @@
-"""Hard cases: joints that are closed, and checked by requirements that hold for any joint.
+"""Hard cases: joints that are simulated, and checked by requirements that hold for any joint.
 
-A case is an entry of ``hard_cases.yaml``, merged with that file's defaults. `run_case`
-closes its joint with a solver that passes every state at rest to the oracle
-(`jointclosure.oracle`), and lists every requirement that does not hold.
+A case is an entry of ``hard_cases.yaml``, merged over that file's defaults. `run_case` simulates
+its joint with a solver that passes states at rest to the oracle (`jointclosure.oracle`), and
+`failed_requirements` lists the requirements that do not hold.
 """
 
 import faulthandler
@@ -42,7 +42,11 @@ _LENGTHS = ("displacement_step", "breakage_step")
 
 
 class CaseOutcome(NamedTuple):
-    """Outcome of a case: the dataset (None if refused), and measurements."""
+    """Outcome of a case.
+
+    ``dataset`` is None if the case was refused with a ``message``. ``target`` is the maximum stress
+    [Pa], ``warned`` are the Python warnings, and ``judge`` has the numbers of the oracle.
+    """
 
     case: dict
     dataset: xr.Dataset | None
@@ -55,7 +59,13 @@ class CaseOutcome(NamedTuple):
 
 
 def merged_cases(study: dict) -> dict[str, dict]:
-    """Return cases by name, merged over the defaults, in SI; one for each way of breakage."""
+    """Return cases by name, merged over the defaults, in SI; one for each way of breakage.
+
+    Raises
+    ------
+    InputError
+        If keys are wrong, a name is not unique, or a case is compared with one that does not exist.
+    """
     validated(HardCasesKeys, study, "hard cases")
     cases = {}
     keys = case_keys(study["defaults"])
@@ -82,16 +92,19 @@ def merged_cases(study: dict) -> dict[str, dict]:
 
 
 def run_case(case: dict) -> CaseOutcome:
-    """Close and judge a case's joint and measure the time; the result is kept for the process."""
+    """Simulate and judge a case's joint, and measure the time; the process caches the outcome."""
     return _run(json.dumps(case, sort_keys=True))
 
 
 def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[str]:
-    """List the requirements that do not hold for a case, one line each."""
+    """List the general requirements that a case breaks; if none, those of its ``must``.
+
+    ``cases`` are all by name, as some are compared with others.
+    """
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
         for name, asked in outcome.case["must"].items():
-            failed += _extra(outcome, name, asked, cases)
+            failed += _broken_must(outcome, name, asked, cases)
     return failed
 
 
@@ -119,7 +132,7 @@ def row_of(outcome: CaseOutcome, failed: list[str]) -> dict:
 
 
 def features_of_case(case: dict) -> dict[str, float]:
-    """Close copies of a case's joint, one if they take long, and return its `FEATURES`."""
+    """Simulate copies of a case's joint (one if it is slow), and return its `FEATURES`."""
     if case["expect"] == "refused" or case["closure"] is not None:
         return dict.fromkeys(FEATURES, math.nan)
     setting = _setting(case)
@@ -132,7 +145,7 @@ def features_of_case(case: dict) -> dict[str, float]:
 
 
 def _measured(outcome: CaseOutcome) -> dict[str, float]:
-    """Return the closures of a case for its row; NaN without cycles."""
+    """Return closures [m] and stresses [Pa] of a case for its row; NaN without cycles."""
     data = outcome.dataset
     target = outcome.target
     none = dict.fromkeys(("max_closure_1_m", "max_closure_last_m"), math.nan)
@@ -151,13 +164,13 @@ def _measured(outcome: CaseOutcome) -> dict[str, float]:
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
-    """Return the kernels of the cases that are closed, see `joint.warmup.kernels_of`."""
+    """Return the kernels of the cases that are simulated, see `joint.warmup.kernels_of`."""
     answered = (case for case in cases if case["expect"] != "refused")
     return kernels_of(map(_model, answered))
 
 
 def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
-    """Return effects, choices and numerics, which the simulation refuses if out of range."""
+    """Return effects, choices and numerics of a case, unchecked: the simulation checks them."""
     changed = Choices()._replace(**case["choices"]), Numerics()._replace(**case["numerics"])
     return Effects(**case["effects"]), *changed
 
@@ -207,7 +220,7 @@ def _run(frozen: str) -> CaseOutcome:
 
 
 def _setting(case: dict) -> dict:
-    """Return walls and arguments of `simulate` of a case, with lengths and stresses scaled."""
+    """Return walls and arguments of `simulate` of a case, with its lengths and stresses scaled."""
     lengths = case["scale_lengths"]
     stresses = case["scale_stresses"]
     walls = case["walls"]
@@ -242,7 +255,7 @@ def _setting(case: dict) -> dict:
 
 
 def _target(case: dict, upper, lower, setting: dict) -> float:
-    """Return the maximum stress [Pa], which may be that at the end of the first step."""
+    """Return the maximum stress [Pa]: that of the case, or the elastic one of the first step."""
     if not case["target_is_first_step"]:
         return case["scale_stresses"] * max(case["history"] or [case["max_normal_stress"]])
     step = setting["numerics"].displacement_step
@@ -251,14 +264,14 @@ def _target(case: dict, upper, lower, setting: dict) -> float:
 
 
 def load_of(case: dict, target: float) -> dict[str, Any]:
-    """Return the load of a case with a maximum [Pa], or with a history of loads, as keywords."""
+    """Return the load as keywords of `simulate`: ``target`` [Pa] and cycles, or the history."""
     if case["history"] is None:
         return {"max_normal_stress": target, "cycles": case["cycles"]}
     return {"max_normal_stress": [case["scale_stresses"] * turn for turn in case["history"]]}
 
 
 def tolerances_of(case: dict) -> dict[str, float]:
-    """Return the limits of the oracle's numbers, and of the distance to the target, by name."""
+    """Return the limits of the oracle's numbers, and of the relative distance to the target."""
     numerics = Numerics()._replace(**case["numerics"])
     by_stress = case["closure"] is None
     limits = oracle_limits.tolerances_of(Effects(**case["effects"]), numerics, by_stress)
@@ -271,7 +284,7 @@ the protocol's constant."""
 
 
 def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
-    """List the requirements that do not hold for a case, one line each."""
+    """List the general requirements (status, warnings, oracle, curve) that a case breaks."""
     case = outcome.case
     failed = [f"warned: {text}" for text in outcome.warned]
     answered = outcome.dataset is not None and int(outcome.dataset.status) < FAILURE
@@ -281,17 +294,17 @@ def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
         if case["message"] not in outcome.message:
             failed.append(f"message of the refusal lacks {case['message']!r}")
         return failed
-    failed += _judged(outcome)
-    # the status is the result of a failure: it has no closures
+    failed += _beyond_limits(outcome)
+    # a failed simulation has a status, but no closures
     if int(outcome.dataset.status) < FAILURE:
-        failed += _curve(outcome, tolerances)
+        failed += _wrong_in_dataset(outcome, tolerances)
     elif "max_closure" in outcome.dataset and np.isfinite(outcome.dataset.max_closure[-1]):
         failed.append("a failed simulation has a last closure")
     return failed
 
 
-def _judged(outcome) -> list[str]:
-    """Check the oracle's numbers."""
+def _beyond_limits(outcome) -> list[str]:
+    """List the numbers of the oracle that exceed their limits."""
     worst = outcome.judge.worst
     limits = outcome.judge.limits
     if not worst:
@@ -300,8 +313,8 @@ def _judged(outcome) -> list[str]:
     return [f"{name} {worst[name]:.3g}, at most {limits[name]:.3g}" for name in above]
 
 
-def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
-    """Check the dataset itself: finite, on target, unloaded to 0."""
+def _wrong_in_dataset(outcome, tolerances: dict[str, float]) -> list[str]:
+    """List what is wrong in the dataset: numbers, stresses reached, remarks, closures."""
     data = outcome.dataset
     failed = []
     cycles = load_cycles(**load_of(outcome.case, outcome.target)) if "step" in data.sizes else ()
@@ -343,7 +356,7 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
 
 
 def _same_as(data: xr.Dataset, asked: dict, other: xr.Dataset, factor: float) -> float:
-    """Return the largest difference from closures of another case, times the factor of lengths."""
+    """Return the largest relative difference from closures of another case times ``factor``."""
     size = np.abs(other.max_closure.values).max() * factor
     off = 0.0
     for name in ("max_closure", "residual_closure"):
@@ -376,12 +389,15 @@ EXTRA: dict[str, tuple[Callable[..., Any], str]] = {
         "maximum closures from the second on spread by {:.3g}",
     ),
 }
-"""Numbers of single cases and words for one that is off, by their key under ``must``, which says
-that the number is 0 (or not), at most ``within``, or from ``least`` to ``most``."""
+"""Requirements of single cases by their key under ``must``: a number, and the text if it is wrong.
+
+The key states whether the number is 0 (true or false), at most ``within``, or from ``least`` to
+``most``.
+"""
 
 
-def _extra(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
-    """Check a requirement of a single case."""
+def _broken_must(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
+    """Return the text of a requirement under ``must`` that a case breaks, or an empty list."""
     number, words = EXTRA[name]
     compared: tuple = ()
     if name == "same_as":
@@ -399,15 +415,15 @@ def _extra(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) 
 
 ERRORS: dict[str, tuple[str, ...]] = {"forces": ("residual", "without_overlap", "without_force")}
 ERRORS |= {name: (name,) for name in ("load", "volume", "strength")}
-"""Errors of a case, all relative: the largest of these fields of `oracle.Verdict`."""
+"""Relative errors of a case, each the largest of these fields of `oracle.Verdict`."""
 GROWTH = 4.0
 """Allowed ratio of an error to the stored one."""
 FLOOR = 64.0 * np.finfo(float).eps
-"""Error below which nothing is judged: rounding of sums."""
+"""Error up to which none counts as grown: that of rounding in sums."""
 
 
 def error_table(cases: pd.DataFrame, origin: Mapping[str, str]) -> pd.DataFrame:
-    """Tabulate the errors of the judged cases, with what gave them."""
+    """Tabulate the errors of the judged cases, with columns of their ``origin``."""
     judged = cases[cases.states_judged > 0]
     table = pd.DataFrame({"name": judged.name, "group": judged.group})
     for error, fields in ERRORS.items():
@@ -417,7 +433,10 @@ def error_table(cases: pd.DataFrame, origin: Mapping[str, str]) -> pd.DataFrame:
 
 
 def grown_errors(stored: Mapping, worst: Mapping[str, float]) -> list[str]:
-    """List the errors that have grown beyond `GROWTH`, one line each."""
+    """List the errors that have grown beyond `GROWTH`, one line each.
+
+    ``stored`` is a row of `error_table`, ``worst`` has the fields of `oracle.Verdict`.
+    """
     grown = []
     for error, fields in ERRORS.items():
         for field in fields:
@@ -430,13 +449,13 @@ def grown_errors(stored: Mapping, worst: Mapping[str, float]) -> list[str]:
 
 
 PATIENCE = 10.0
-"""Multiple of its budget after which a case counts as endless: the job ends with a traceback."""
+"""Multiple of its expected time after which a case counts as endless, and ends the job."""
 
 
 def close_hard_cases(
     cases: dict[str, dict], group: str, log: Callable[[str], None]
 ) -> pd.DataFrame:
-    """Close and judge the hard cases of a group; return their rows."""
+    """Simulate and judge the hard cases of a group, and return a table of them."""
     rows = []
     for name, case in cases.items():
         if case["group"] != group:
@@ -453,7 +472,7 @@ def close_hard_cases(
 def present_hard_cases(
     tables: list[pd.DataFrame], order: list[str]
 ) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Join the groups of hard cases in one table; return it, its errors, and its features."""
+    """Join the groups of hard cases in a table, in ``order``; return it, errors and features."""
     table = pd.concat(tables).set_index("name").loc[order].reset_index()
     versions = versions_of("numpy", "scipy", "numba").items()
     origin = {

@@ -1,4 +1,4 @@
-"""States of a joint at rest, all judged by the oracle while a solver closes it."""
+"""States of a joint at rest, judged by the oracle while a solver computes them."""
 
 import numpy as np
 
@@ -34,19 +34,19 @@ class Judge:
         for name, value in verdict._asdict().items():
             limit = limits.get(name, 0.0)
             worst = self.worst.get(name, -np.inf)
-            if not _share(value, limit) <= _share(worst, self.limits.get(name, 0.0)):
+            if not _over_limit(value, limit) <= _over_limit(worst, self.limits.get(name, 0.0)):
                 self.worst[name] = value
                 self.limits[name] = limit
         self.states += 1
 
 
-def _share(value: float, limit: float) -> float:
-    """Return a number over its limit; itself if the limit is 0, or infinite (only reported)."""
+def _over_limit(value: float, limit: float) -> float:
+    """Return a number over its limit; if the limit is 0 or infinite (no limit), the number."""
     return value / limit if 0.0 < limit < np.inf else value
 
 
 class JudgedSolver:
-    """Solver whose states at rest are all judged."""
+    """Solver whose states at rest are judged; of very large joints only some of them."""
 
     def __init__(self, inner, judge: Judge):
         self._inner = inner
@@ -56,14 +56,14 @@ class JudgedSolver:
         self.predict = inner.predict
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Settle as the solver, and judge the state."""
+        """Settle the joint with the solver, and judge the state."""
         settled = self._inner.settle(joint, closure, breakage_step)
         self._judge(joint, settled)
         return settled
 
     def _elastic_curve(self, joint: Joint, targets: np.ndarray) -> list[Settled]:
-        # a curve keeps only the forces of its last point: each point is solved again, and judged
-        # with closure and total force of the whole curve; only a few points of large joints
+        # a curve keeps only the forces of its last point, so each point (few of large joints) is
+        # solved again; it is judged with closure and total force of the whole curve
         settled = self._inner.elastic_curve(joint, targets)
         self._judge(joint, settled[-1])
         last = joint.force.copy()

@@ -33,7 +33,7 @@ def test_the_stiffness_of_loading_ends_where_the_asperity_model_begins_to_land(l
     # ten times stiffer from the landing on
     loading = 1e-10 * np.minimum(at.all, landing) + 1e-11 * np.maximum(at.all - landing, 0.0)
     closure = np.array([loading, loading[-1] + 2e-11 * at.all, loading[-1] + 4e-11 * at.all])
-    read = continuum.readings(continuum.History(closure, 0.0 * closure, 0.0), at)
+    read = continuum.readings(continuum.PressedJoint(closure, 0.0 * closure, 0.0), at)
     stiffness = {"loading": 10.0, "unloading": 50.0, "reloading": 25.0}
     for name, value in stiffness.items():
         assert read[f"stiffness_{name}_MPa_per_mm"] == pytest.approx(value)

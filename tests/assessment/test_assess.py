@@ -1,4 +1,4 @@
-"""Assessments: plans by two levels cover the truth; variants, tables and what is kept."""
+"""Assessment of joints: differences between its variants, and the verdicts on them."""
 
 import numpy as np
 import pandas as pd
@@ -7,7 +7,6 @@ import pytest
 import jointclosure as jc
 from jointclosure.assessment import assess as module
 from jointclosure.assessment.assess import ASSESSED, FEATURES, HARD_CASES, JUDGED, Assessment
-from jointclosure.statistics.two_level import best_plan, t_interval, two_level_mean
 from jointclosure.storage.files import read_csv
 from tests.joints import DOLERITE, SPACING
 
@@ -34,47 +33,27 @@ def closures(effect=0.0, coarse=0.1, middle=0.02, scatter=0.01, joints=10, **cha
     return pd.DataFrame(rows).assign(**changes)
 
 
-def test_two_level_means_cover_the_truth_as_often_as_they_say():
-    random = np.random.default_rng(1)
-    truth, covered, runs = 2.0, 0, 2000
-    for _ in range(runs):
-        cheap = random.normal(truth + 0.5, 1.0, 30)
-        # the difference goes with the closure in part
-        differences = random.normal(-0.5, 0.3, 8) + 0.3 * (cheap[:8] - truth - 0.5)
-        mean = two_level_mean(cheap, differences)
-        covered += mean.low <= truth <= mean.high
-    assert covered / runs == pytest.approx(0.95, abs=0.015)
-
-
-def test_a_plan_reaches_its_half_width_and_a_budget_is_kept():
-    deviations, seconds = (0.2, 0.05), (1.0, 11.0)
-    plan = best_plan(deviations, seconds, 0.05)
-    random = np.random.default_rng(2)
-    samples = (random.normal(0.0, d, (4000, n)) for d, n in zip(deviations, plan[:2], strict=True))
-    means = sum(sample.mean(axis=1) for sample in samples)
-    assert np.quantile(np.abs(means), 0.95) == pytest.approx(plan.half_width, rel=0.12)
-    cheaper = best_plan(deviations, seconds, 1.0, 0.7 * plan.seconds)
-    assert plan.half_width <= 0.05 < cheaper.half_width
-    assert best_plan(deviations, seconds, 1.0, 50.0) is None
-    for more in (0.9, 0.7):  # no cheaper mix of both levels
-        fewer = best_plan(deviations, seconds, 0.05, more * plan.seconds)
-        assert fewer.half_width > 0.05
-
-
-def test_differences_verdicts_and_limits_are_those_that_were_put_in():
+@pytest.mark.parametrize(
+    ("variant", "bias"), [("coarse", 0.1), ("middle", 0.02), ("without gouge", 0.0)]
+)
+def test_differences_are_those_that_were_put_in(variant, bias):
     assessment = Assessment(closures(), LADDER, "middle", 0.05)
-    table = assessment.differences.set_index(["variant", "quantity"])
-    for variant, bias in (("coarse", 0.1), ("middle", 0.02), ("without gouge", 0.0)):
-        row = table.loc[(variant, JUDGED[0])]
-        assert row.low < bias < row.high < bias + 0.03
-    assert assessment.verdict("without gouge") == "can be left out"
-    other = Assessment(closures(effect=0.3), LADDER, "middle", 0.05)
-    assert other.verdict("without gouge") == "needed"
+    row = assessment.differences.set_index(["variant", "quantity"]).loc[(variant, JUDGED[0])]
+    assert row.low < bias < row.high < bias + 0.03
+
+
+@pytest.mark.parametrize(("effect", "verdict"), [(0.0, "can be left out"), (0.3, "needed")])
+def test_verdicts_are_those_of_the_effects_that_were_put_in(effect, verdict):
+    assessment = Assessment(closures(effect=effect), LADDER, "middle", 0.05)
+    assert assessment.verdict("without gouge") == verdict
+
+
+def test_the_observed_order_is_the_one_that_was_put_in():
     sharp = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
 
 
-def test_coarser_numerics_have_larger_steps_and_tolerance_and_no_other_change():
+def test_coarser_numerics_change_nothing_but_steps_or_tolerance():
     fine, rough = module.RESOLVED, module.coarser(module.RESOLVED, 2.0)
     scaled = {name: b / a for name, a, b in zip(fine._fields, fine, rough, strict=True) if a != b}
     steps = {name for name in fine._fields if name.endswith("_step")}
@@ -110,14 +89,22 @@ def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
     assert module.nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
 
 
-def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
-    tmp_path, monkeypatch
-):
+@pytest.fixture(scope="module")
+def assessed(tmp_path_factory):
+    """Walls, their assessment, and the file of its closures."""
     walls = jc.wall_pair(8.0, (8, 10), SPACING, seed=1, roll_off=None)
-    first = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
-    kept = (tmp_path / "closures.jsonl").read_text()
-    with (tmp_path / "closures.jsonl").open("w") as file:
-        file.write(kept[: int(0.6 * len(kept))])  # killed in a line
+    folder = tmp_path_factory.mktemp("assessed")
+    return walls, jc.assess(walls, **SCENE, folder=folder, workers=1), folder / "closures.jsonl"
+
+
+def test_a_joint_is_assessed_on_its_copies(assessed):
+    assert set(assessed[1].closures.copy_of_walls) == set(module.COPIES)
+
+
+def test_an_assessment_goes_on_where_it_was_interrupted(assessed, tmp_path, monkeypatch):
+    walls, first, file = assessed
+    kept = file.read_text()
+    (tmp_path / "closures.jsonl").write_text(kept[: int(0.6 * len(kept))])  # killed in a line
     closed = []
     close = module.close_joint
     monkeypatch.setattr(module, "close_joint", lambda *task: closed.append(task) or close(*task))
@@ -125,25 +112,37 @@ def test_a_joint_is_assessed_on_its_copies_and_goes_on_where_it_was_interrupted(
     assert 0 < len(closed) < len(kept.splitlines())
     values = [part.closures[list(ASSESSED)].to_numpy() for part in (first, again)]
     np.testing.assert_array_equal(*values)
-    assert set(first.closures.copy_of_walls) == set(module.COPIES)
+
+
+def test_an_assessed_joint_is_closed_as_by_the_library(assessed):
+    walls, first, _ = assessed
     alone = jc.simulate(*walls, **SCENE, numerics=module.RESOLVED)
     own = first.closures.query("variant == 'tolerance 0.02' and copy_of_walls == 'as it is'")
     assert own.max_closure.iloc[0] == float(alone.max_closure[0])
     assert first.hardness.oracle_ratio[0] <= 1.0
+
+
+def test_an_assessment_shows_its_variants_at_their_price(assessed):
+    _, first, _ = assessed
     assert "without breakage and gouge" in str(first)
     columns = ["seconds", "net closure 1 (%)", "net stiffness 1 (%)"]
     assert list(first.price.columns) == columns
 
 
-def test_elastic_joints_have_one_setting_and_the_effects_that_act():
+@pytest.fixture(scope="module")
+def elastic():
     walls = [jc.wall_pair(8.0, (8, 8), SPACING, seed=seed) for seed in range(2)]
-    elastic = jc.Effects(breakage=False, gouge=False)
-    assessment = jc.assess(walls, **SCENE, effects=elastic, workers=1)
-    assert list(assessment.price.index) == ["as stated"]
-    assert set(assessment.effects.index) == {
+    return jc.assess(walls, **SCENE, effects=jc.Effects(breakage=False, gouge=False), workers=1)
+
+
+def test_elastic_joints_have_one_setting(elastic):
+    assert list(elastic.price.index) == ["as stated"]
+
+
+def test_elastic_joints_are_assessed_without_the_effects_that_act(elastic):
+    assert set(elastic.effects.index) == {
         "without interaction", "without substrate and interaction", "without soft peaks"
     }  # fmt: skip
-    assert t_interval(np.ones(3)).within(1.0)
 
 
 @pytest.mark.parametrize(
@@ -173,18 +172,23 @@ def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_not_stable(apart, verdic
     assert ("not stable: more than 20 %" in hardness.reason[0]) == (verdict == "not stable")
 
 
-@pytest.mark.parametrize(
-    ("apart", "share", "verdict"),
-    [(0.017, 0.1, "easy"), (0.018, 0.1, "hard"), (0.017, 0.101, "hard")],
-)
-def test_joints_are_easy_up_to_half_of_the_request_and_a_tenth_of_force_that_cannot_break(
-    apart, share, verdict
-):
-    """Two copies that are 2 x apart have a standard deviation of x sqrt(2): 0.025 is the limit."""
+def hardness_of_copies(apart, share):
+    """Verdict on two copies that are 2 x apart: their standard deviation is x sqrt(2)."""
     closed = closures(scatter=0.0, joints=1, unbreakable_share=share)
     copies = closed.copy_of_walls == "mirrored"
     closed.loc[copies, list(ASSESSED)] *= (1.0 + apart) / (1.0 - apart)
-    assert Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0] == verdict
+    return Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0]
+
+
+@pytest.mark.parametrize(("apart", "verdict"), [(0.017, "easy"), (0.018, "hard")])
+def test_joints_are_easy_up_to_half_of_the_request(apart, verdict):
+    """A deviation of 0.025 is the limit."""
+    assert hardness_of_copies(apart, 0.1) == verdict
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.1, "easy"), (0.101, "hard")])
+def test_joints_are_easy_up_to_a_tenth_of_force_that_cannot_break(share, verdict):
+    assert hardness_of_copies(0.017, share) == verdict
 
 
 def test_a_scene_that_fails_without_an_effect_needs_it():

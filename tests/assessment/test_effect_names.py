@@ -23,9 +23,7 @@ ALL = jc.Effects()
         (jc.Effects(False, False, False, False, False), "no effects"),
     ],
 )
-def test_a_set_of_effects_is_named_by_the_fewer_of_those_that_act_and_those_that_do_not(
-    effects, title
-):
+def test_a_set_of_effects_is_named_by_the_fewer_that_act_or_do_not(effects, title):
     assert effects_title(effects) == title
 
 

@@ -1,5 +1,7 @@
 """Selected effects: what matters stays, what does not goes, and the error is known."""
 
+import functools
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -36,7 +38,9 @@ def joints(cells, count=4):
     ]
 
 
-def test_an_effect_below_the_tolerance_is_left_out_and_its_error_is_known():
+@functools.cache
+def choices_about_interaction():
+    """Change of the closure without interaction, and the choices for tolerances about it."""
     pairs, setting = joints(24), SETTING | {"cycles": 1, "max_normal_stress": 3e6}
     means = [
         np.mean([float(jc.simulate(*pair, effects=e, **setting).max_closure[0]) for pair in pairs])
@@ -44,11 +48,18 @@ def test_an_effect_below_the_tolerance_is_left_out_and_its_error_is_known():
     ]
     actual = 1.0 - means[1] / means[0]
     assert 0.01 < actual < 0.2
-    for tolerance, interaction in ((0.5 * actual, True), (10.0 * actual, False)):
-        choice = choose_effects(
-            pairs, effects=ELASTIC, tolerance=tolerance, joints=10_000, **setting
-        )
-        assert choice.effects.interaction is interaction
+    given = {"effects": ELASTIC, "joints": 10_000} | setting
+    return actual, [choose_effects(pairs, tolerance=f * actual, **given) for f in (0.5, 10.0)]
+
+
+def test_an_effect_below_the_tolerance_is_left_out():
+    _, (sharp, rough) = choices_about_interaction()
+    assert sharp.effects.interaction is True
+    assert rough.effects.interaction is False
+
+
+def test_the_error_of_an_effect_that_is_left_out_is_bounded():
+    actual, (_, choice) = choices_about_interaction()
     gross = choice.changes[choice.changes.quantity == "max_closure"].iloc[0]
     assert gross.change < 0.0
     assert actual < gross.at_most <= choice.error
@@ -77,7 +88,7 @@ def test_what_frozen_walls_show_of_a_joint_in_which_nothing_breaks_is_its_change
     assert pilot.lost(ALL) > pilot.closed[FEWER][0].seconds  # frozen walls take time too
 
 
-def test_a_run_with_all_effects_shows_a_lower_bound_of_the_error_of_any_elastic_joint():
+def test_a_run_with_all_effects_bounds_the_error_of_elastic_joints_from_below():
     pair = joints(32, 1)[0]
     pilot = Pilot([pair], Conditions(SPACING, DOLERITE, 3e6, 2, 0.0).checked(), 20)
     gross = pilot.values(ALL, 1)[0, list(ASSESSED).index("max_closure")]
@@ -125,7 +136,7 @@ def test_a_lone_case_is_decided_by_frozen_walls(mean, deviation, left_out):
     assert len(pilot.closed.get(FEWER, ())) == left_out
 
 
-def test_pairs_decide_where_the_prior_does_not_and_many_joints_pay_for_them():
+def test_pairs_decide_where_the_prior_does_not():
     for change, left_out in ((0.03, True), (0.07, False)):
         pilot = MadeUp([change] * 20, 5000, (0.05, 0.05))
         assert (choose_among(pilot, 0.05).effects == FEWER) is left_out
@@ -141,15 +152,26 @@ def test_the_time_that_tests_lose_is_bounded_by_the_number_of_joints(count):
     assert choice.lost_seconds <= LOSS * count
 
 
-def test_limits_cover_the_true_change_and_decisions_hold_as_often_as_stated():
-    random, covered, held, out = np.random.default_rng(1), 0, 0, 0
+@pytest.fixture(scope="module")
+def decisions():
+    """Of 200 tests: true change, the limit of it, and whether the effect was left out."""
+    random, found = np.random.default_rng(1), []
     for _ in range(200):
         truth, scatter = random.normal(0.04, 0.03), SCATTER * random.uniform(0.1, 1.0)
         pilot = MadeUp(random.normal(truth, scatter, 20), 1000, (0.04, 0.03))
         left_out, change, _ = pilot.test(("interaction",), ALL, 0.05)
-        covered += abs(truth) <= change.most.max()
-        out, held = out + left_out, held + (left_out and abs(truth) <= 0.05)
-    assert covered >= 0.92 * 200
+        found.append((abs(truth), change.most.max(), left_out))
+    return np.array(found).T
+
+
+def test_limits_cover_the_true_change_as_often_as_stated(decisions):
+    truth, limit, _ = decisions
+    assert np.sum(truth <= limit) >= 0.92 * 200
+
+
+def test_decisions_that_limits_cover_hold_as_often_as_stated(decisions):
+    truth, _, left_out = decisions
+    out, held = left_out.sum(), np.sum((left_out == 1.0) & (truth <= 0.05))
     assert out > 40
     assert held >= (ENOUGH + 0.05) * out  # on average over decisions with more than ENOUGH
 
@@ -183,12 +205,21 @@ def test_a_joint_that_takes_many_more_breakage_steps_without_an_effect_is_given_
     assert "too many breakage steps" in str(choice)
 
 
-def test_gouge_substrate_and_soft_peaks_are_kept_and_effects_that_are_off_are_not_brought_in():
+def test_substrate_and_soft_peaks_are_kept():
     scenes = possible_scenes(ALL)
     assert scenes[0] == ALL
     assert all(scene.substrate and scene.soft_peaks for scene in scenes)
-    assert all(scene.gouge == scene.breakage for scene in scenes)
+
+
+def test_gouge_goes_with_breakage():
+    assert all(scene.gouge == scene.breakage for scene in possible_scenes(ALL))
+
+
+def test_effects_that_are_off_are_not_brought_in():
     assert possible_scenes(ELASTIC) == [ELASTIC, ELASTIC._replace(interaction=False)]
+
+
+def test_effects_that_are_not_to_be_chosen_stay():
     assert possible_scenes(ALL, chosen=False) == [ALL]
 
 

@@ -1,8 +1,9 @@
-"""`jointclosure close`, `report` and `jc.close`: two scans in, curves and a page out."""
+"""A joint of two scans, closed by the command or in Python: its curves, files and page."""
 
 import functools
 import json
 import re
+import shutil
 from unittest.mock import Mock
 
 import numpy as np
@@ -13,6 +14,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli.results import summary
 from jointclosure.inputs.remarks import cautions
+from jointclosure.joint import conditions
 from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import read_netcdf
@@ -20,10 +22,11 @@ from jointclosure.uncertainty import scanned_joint
 from jointclosure.uncertainty.results import QUANTITIES
 from jointclosure.uncertainty.sources import ALL
 from jointclosure.walls.registration import registered
+from tests.cli.conftest import leave_undrawn
 from tests.joints import TWO_WALLS
 
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
-RESOLVED = {"numerics": scanned_joint.RESOLVED}
+RESOLVED = {"numerics": conditions.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2, "--rock", "granite"]
 COARSE = ["--spacing", 0.5, "--tolerance", 0.1]
 """Of a joint whose numbers are compared with those of no other."""
@@ -84,7 +87,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
         assert record["per_cycle"][name] == pytest.approx(cycles[name].tolist(), rel=1e-6)
 
 
-def test_stiffness_is_shown_and_stored_at_named_stresses(scans, tmp_path, command, undrawn):
+def test_stiffness_at_named_stresses_is_that_of_the_curves(scans, tmp_path, command, undrawn):
     words = [*WORDS, "--spacing", 1, "--single", "--at", "1.3,0.7", "--output", tmp_path / "j"]
     code, out, err = command("close", *scans, *words)
     assert (code, err) == (0, "")
@@ -143,25 +146,49 @@ def test_an_interrupted_range_leaves_the_joint_itself(
     assert not (folder / "range.csv").exists()
 
 
-def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, command):
+@pytest.fixture(scope="module")
+def ranged(scans, tmp_path_factory, shared_command):
+    """The folder that a joint with its range is written to, what is printed, and the record."""
+    folder = tmp_path_factory.mktemp("ranged")
     stated = ["--range", "compressive_strength_MPa", 100, 250]
-    words = [*scans, *WORDS, *COARSE, "--cycles", 1, *stated, "--output", tmp_path]
-    code, out, err = command("close", *words)
+    words = [*scans, *WORDS, *COARSE, "--cycles", 1, *stated, "--output", folder]
+    code, out, err = shared_command("close", *words)
     assert (code, err) == (0, "")
-    record = json.loads((tmp_path / "joint.json").read_text())
+    return folder, out, json.loads((folder / "joint.json").read_text())
+
+
+def test_the_range_of_a_quantity_holds_its_best_value(ranged):
+    _, _, record = ranged
     closure = record["range"][0]
     assert closure["quantity"] == "max_closure_seated_net_mm"
     assert closure["best"] == record["per_cycle"]["max_closure_seated_net_mm"][0]
     for row in record["range"]:
         assert row["low_with_choices"] <= row["low"] <= row["best"]
         assert row["best"] <= row["high"] <= row["high_with_choices"]
-    assert closure["text"] in out
-    assert sum(closure["shares"].values()) >= 1.0 - 1e-9  # interactions count for each source
-    assert {"spacing", "registration", "order", "compressive_strength"} <= set(closure["shares"])
-    sources = set(pd.read_csv(tmp_path / "range.csv").source.dropna())
-    assert sources == {*closure["shares"], ALL}
-    assert (tmp_path / "range.png").stat().st_size > 20000
-    curves = pd.read_csv(tmp_path / "answer.csv")
+    (kni,) = (row for row in record["range"] if row["quantity"] == "kni_net_MPa_per_mm")
+    assert 0.0 < kni["low"] < kni["high"]
+
+
+def test_the_range_of_a_joint_is_printed(ranged):
+    _, out, record = ranged
+    assert record["range"][0]["text"] in out
+
+
+def test_each_source_of_the_range_has_its_share(ranged):
+    folder, _, record = ranged
+    shares = record["range"][0]["shares"]
+    assert sum(shares.values()) >= 1.0 - 1e-9  # interactions count for each source
+    assert {"spacing", "registration", "order", "compressive_strength"} <= set(shares)
+    sources = set(pd.read_csv(folder / "range.csv").source.dropna())
+    assert sources == {*shares, ALL}
+
+
+def test_the_range_is_drawn(ranged):
+    assert (ranged[0] / "range.png").stat().st_size > 20000
+
+
+def test_curves_lie_between_the_ends_of_their_range(ranged):
+    curves = pd.read_csv(ranged[0] / "answer.csv")
     for name in ("closure_net_since_seating_mm", "normal_stiffness_net_MPa_per_mm"):
         for column in (f"{name}_low", name, f"{name}_high"):
             along = curves[curves.branch == "loading"][column]
@@ -169,11 +196,14 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, comma
         middle = curves[name]
         assert (curves[f"{name}_low"] <= middle * (1.0 + 1e-6)).all()
         assert (middle <= curves[f"{name}_high"] * (1.0 + 1e-6)).all()
-    (kni,) = (row for row in record["range"] if row["quantity"] == "kni_net_MPa_per_mm")
-    assert 0.0 < kni["low"] < kni["high"]
-    # an end whose largest closure Vm is undetermined is not written
-    assert {"porepy_high.json"} <= set(contents(tmp_path))
-    assert command("report", tmp_path)[0] == 0
+
+
+def test_an_end_of_the_range_has_input_of_porepy_where_vm_is_determined(ranged):
+    assert {"porepy_high.json"} <= set(contents(ranged[0]))
+
+
+def test_a_report_of_a_joint_with_a_range_is_written(ranged, command):
+    assert command("report", ranged[0])[0] == 0
 
 
 def test_all_files_are_of_the_joint_as_it_was_closed(scans, tmp_path, command):
@@ -208,42 +238,66 @@ def test_the_noise_of_each_scan_is_stated_apart_from_roughness_below_the_grid(
 STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.02, "--breakage fixed_step": None}
 
 
-@pytest.mark.parametrize("words", STATED)
-def test_settings_add_up_and_only_the_rule_of_breakage_replaces_resolved_breakage(
-    words, tmp_path, monkeypatch, command
-):
-    expected = STATED[words]
+@pytest.fixture(params=STATED)
+def settings(request, tmp_path, monkeypatch, command):
+    """What is stated on the command line, and the settings that the library is given."""
     stopped = functools.wraps(jc.close)(Mock(side_effect=jc.InputError("enough")))
     monkeypatch.setattr("jointclosure.cli.close.close", stopped)
-    stated = ["--rock", "Granite", "--largest-radius", "20", *words.split()]
+    stated = ["--rock", "Granite", "--largest-radius", "20", *request.param.split()]
     command("close", "a.txt", "b.txt", "--output", tmp_path / "j", *stated)
-    closed = stopped.call_args.kwargs
+    return request.param, stopped.call_args.kwargs
+
+
+def test_settings_of_several_words_add_up(settings):
+    words, closed = settings
     assert closed["choices"] == jc.Choices(largest_radius=0.02)
-    usual = scanned_joint.RESOLVED if expected else jc.Numerics()
+    assert STATED[words] in (None, closed["numerics"].tolerance)
+
+
+def test_only_the_rule_of_breakage_replaces_resolved_breakage(settings):
+    words, closed = settings
+    usual = conditions.RESOLVED if STATED[words] else jc.Numerics()
     for name in ("breakage", "displacement_step", "later_breakage_step"):
         assert getattr(closed["numerics"], name) == getattr(usual, name)
-    assert expected in (None, closed["numerics"].tolerance)
 
 
-def test_flow_and_snapshots_are_written_and_replaced_with_all_of_their_files(
-    scans, tmp_path, command, undrawn
-):
-    """Of another joint nothing stays, and what someone else put there is left alone."""
-    words = [*scans, *WORDS, *COARSE, "--single", "--cycles", 1, "--output", tmp_path]
-    code, out, err = command("close", *words, "--snapshots", "0.5,1", "--flow")
+ONE_CYCLE = [*WORDS, *COARSE, "--single", "--cycles", 1]
+OBSERVED = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv"}
+
+
+@pytest.fixture(scope="module")
+def observed(scans, tmp_path_factory, shared_command):
+    """The folder of a joint with flow and snapshots, and what is printed."""
+    folder = tmp_path_factory.mktemp("observed") / "joint"
+    with pytest.MonkeyPatch.context() as patch:
+        leave_undrawn(patch)
+        more = ["--snapshots", "0.5,1", "--flow", "--output", folder]
+        code, out, err = shared_command("close", *scans, *ONE_CYCLE, *more)
     assert (code, err) == (0, "")
+    return folder, out
+
+
+def test_flow_and_snapshots_are_written_where_they_are_asked_for(observed):
+    folder, out = observed
     assert re.search(r"cycle 1: along x 0\.\d+ \(flows\); along y ", out)
-    history = read_netcdf(tmp_path / "joint.nc")
+    history = read_netcdf(folder / "joint.nc")
     assert (history.hydraulic_aperture > 0.0).all()
     assert set(history.snapshot_stress.values) == {0.5e6, 1e6}
-    assert "hydraulic_aperture_x_mm" in pd.read_csv(tmp_path / "curves.csv")
+    assert "hydraulic_aperture_x_mm" in pd.read_csv(folder / "curves.csv")
+    assert set(contents(folder)) >= OBSERVED
+
+
+def test_of_another_joint_nothing_stays_but_what_someone_else_put_there(
+    scans, observed, tmp_path, command, undrawn
+):
+    shutil.copytree(observed[0], tmp_path, dirs_exist_ok=True)
     (tmp_path / "notes.txt").write_text("mine")
-    first = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv"}
-    assert first <= set(contents(tmp_path))
-    _, out, _ = command("close", *words, "--seating", 0)  # from first touch on GEOS has no form
+    # from first touch on GEOS has no form
+    words = [*scans, *ONE_CYCLE, "--output", tmp_path, "--seating", 0]
+    _, out, _ = command("close", *words)
     listed = out.splitlines()[-1].partition(": ")[2].split(", ")
     assert sorted([*listed, "notes.txt", "written.json"]) == sorted(contents(tmp_path))
-    assert not first & set(contents(tmp_path))
+    assert not OBSERVED & set(contents(tmp_path))
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Commands find, print and store what the library does (`close`: see test_close)."""
+"""Commands give what the library gives (for `close` see test_close)."""
 
 import json
 
@@ -8,7 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli import doctor
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import close_checked
 from jointclosure.joint.status import STATUSES
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import COARSE, SPACING
@@ -17,7 +17,7 @@ SMALL = ["--cells", "12x14", "--max-normal-stress", 2, "--seating-stress", 0.2]
 BY_NUMBERS = ["--youngs-modulus", 78, "--poisson-ratio", 0.2, "--strength", 165, "--jrc", 8]
 
 
-def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_path, command):
+def test_a_rock_by_its_name_or_its_numbers_closes_as_by_the_library(tmp_path, command):
     for path, rock in (("name.nc", ["--rock", "dolerite"]), ("numbers.nc", BY_NUMBERS)):
         words = [*rock, *SMALL, "--seed", 3, "--output", tmp_path / path]
         code, out, err = command("simulate", *words)
@@ -34,26 +34,41 @@ def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_p
     assert name.attrs["source_digest"]
 
 
-def test_a_picture_is_drawn_and_effects_and_settings_are_heeded(tmp_path, command):
+@pytest.fixture(scope="module")
+def elastic(tmp_path_factory, shared_command):
+    """Files and what is printed of a joint with fewer effects and points, and a picture."""
+    folder = tmp_path_factory.mktemp("elastic")
     words = [*SMALL, "--cycles", 1, "--without", "breakage", "gouge", "soft_peaks"]
-    words += ["--curve-points", 7, "--picture", tmp_path / "a.png", "--output", tmp_path / "a.nc"]
-    code, out, err = command("simulate", "--rock", "slate", *words)
+    words += ["--curve-points", 7, "--picture", folder / "a.png", "--output", folder / "a.nc"]
+    code, out, err = shared_command("simulate", "--rock", "slate", *words)
     assert (code, err) == (0, "")
-    assert (tmp_path / "a.png").stat().st_size > 5000
-    closed = read_netcdf(tmp_path / "a.nc")
+    return folder, out
+
+
+def test_a_picture_is_drawn_where_it_is_asked_for(elastic):
+    assert (elastic[0] / "a.png").stat().st_size > 5000
+
+
+def test_effects_that_are_left_out_are_off(elastic):
+    closed = read_netcdf(elastic[0] / "a.nc")
     assert json.loads(closed.attrs["effects"])["breakage"] is False
+
+
+def test_stated_settings_are_heeded(elastic):
+    folder, out = elastic
+    closed = read_netcdf(folder / "a.nc")
     # 7 stresses and that of seating, up from first touch and down again
     assert closed.sizes["step"] == 1 + 8 + 8
     assert "cycle 2" not in out
 
 
-def test_a_failed_simulation_has_its_status_in_words_and_fails(command, monkeypatch):
+def test_a_failed_simulation_ends_with_its_status_in_words(command, monkeypatch):
     def failing(*given):
-        closed = close_walls(*given)
+        closed = close_checked(*given)
         closed["status"] = closed.status.copy(data=np.int16(64 + 2))
         return closed
 
-    monkeypatch.setattr("jointclosure.joint.simulation.close_walls", failing)
+    monkeypatch.setattr("jointclosure.joint.simulation.close_checked", failing)
     code, out, _ = command("simulate", "--rock", "slate", *SMALL)
     assert code == 1
     assert "failed: outside_model_range, rigid_contact" in out
@@ -68,44 +83,69 @@ OF_REGION = ["--shifts", 1, "--crushed-strength-ratios", 0.8]
 REGION = {"shifts": (1,), "crushed_strength_ratios": (0.8,)}
 
 
-@pytest.mark.parametrize(
-    ("name", "more", "stated", "made"),
-    [("fit", [], {}, "fit"), ("validate", OF_REGION, REGION, "region")],
+@pytest.fixture(
+    scope="module",
+    params=[("fit", [], {}, "fit"), ("validate", OF_REGION, REGION, "region")],
     ids=["fit", "validate"],
 )
-def test_a_curve_is_fitted_and_validated_as_by_the_library_and_joints_are_kept(
-    inputs, tmp_path, command, name, more, stated, made
-):
-    words = [inputs / "lab.csv", *OF_CURVE, "--tolerance", 0.1, *more, "--output", tmp_path]
-    code, out, err = command(name, *words)
+def judged(request, inputs, tmp_path_factory, shared_command):
+    """Name of a command that judges a curve, its files and print, and the library's after it."""
+    name, more, stated, made = request.param
+    folder = tmp_path_factory.mktemp(name)
+    words = [inputs / "lab.csv", *OF_CURVE, "--tolerance", 0.1, *more, "--output", folder]
+    code, out, err = shared_command(name, *words)
     assert (code, err) == (0, "")
     lines = []
     stated = stated | {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
-    stated |= {"numerics": COARSE, "cache": tmp_path / "joints"}
+    stated |= {"numerics": COARSE, "cache": folder / "joints"}
     stated |= {"report": lines.append} if name == "validate" else {}
-    found = getattr(jc, name)(inputs / "lab.csv", **stated)
-    assert not any(line.startswith("closed") for line in lines)  # by the command
+    return name, folder / made, out, getattr(jc, name)(inputs / "lab.csv", **stated), lines
+
+
+def test_a_curve_is_judged_as_by_the_library(judged):
+    name, made, out, found, _ = judged
     assert all(f"- {line}" in out for line in found.sentences())
-    record = json.loads((tmp_path / f"{made}.json").read_text())
+    record = json.loads(made.with_suffix(".json").read_text())
     assert json.loads(record["provenance"]["settings"])["shape"] == [12, 12]
-    assert (tmp_path / f"{made}.png").stat().st_size > 20000
     if name == "fit":
         assert (record["p_value"], record["assumed"]) == (found.p_value, found.assumed)
     else:
-        table = pd.read_csv(tmp_path / "region.csv")
+        table = pd.read_csv(made.with_suffix(".csv"))
         pd.testing.assert_frame_equal(table, found.table(), rtol=1e-9)
 
 
-def test_roughness_prints_every_measure_and_writes_table_and_picture(inputs, tmp_path, command):
-    table, picture = tmp_path / "measures.csv", tmp_path / "wall.png"
+def test_a_judged_curve_is_drawn(judged):
+    assert judged[1].with_suffix(".png").stat().st_size > 20000
+
+
+def test_joints_that_a_command_closed_are_kept(judged):
+    assert not any(line.startswith("closed") for line in judged[4])
+
+
+@pytest.fixture(scope="module")
+def measured(inputs, tmp_path_factory, shared_command):
+    """What is printed of the roughness of a wall, its table, and its picture."""
+    folder = tmp_path_factory.mktemp("roughness")
+    table, picture = folder / "measures.csv", folder / "wall.png"
     words = ["--units", "mm", "--scan-spacing", "0.25", "--table", table, "--picture", picture]
-    code, out, _ = command("roughness", inputs / "wall.npy", *words)
+    code, out, _ = shared_command("roughness", inputs / "wall.npy", *words)
     assert code == 0
+    return out, pd.read_csv(table).set_index("measure"), picture
+
+
+def test_roughness_prints_every_measure_of_its_table(measured):
+    out, table, _ = measured
     assert "40 x 48 cells (y, x) of 0.25 mm; mean plane removed" in out
-    frame = pd.read_csv(table).set_index("measure")
-    assert all(name in out for name in frame.index)
-    assert frame.value["JRC, yu_vayssade_linear_0.25mm"] == pytest.approx(9.0, abs=0.2)
-    assert picture.stat().st_size > 20000
+    assert all(name in out for name in table.index)
+
+
+def test_roughness_of_a_wall_is_the_one_it_was_made_with(measured):
+    value = measured[1].value["JRC, yu_vayssade_linear_0.25mm"]
+    assert value == pytest.approx(9.0, abs=0.2)
+
+
+def test_roughness_has_a_picture(measured):
+    assert measured[2].stat().st_size > 20000
 
 
 @pytest.mark.parametrize("step_mm", [0.0, 0.1])

@@ -26,7 +26,7 @@ from jointclosure.joint.tables import (
     stress_table,
 )
 from jointclosure.plotting.joint import engineering_figure
-from jointclosure.storage.files import write
+from jointclosure.storage.folders import write
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import SPACING, closed, on_softer_half_spaces
 
@@ -70,7 +70,7 @@ def itasca_table(text, name):
     return np.array(re.findall(r"\(([^,]+),([^)]+)\)", line), dtype=float).T
 
 
-def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
+def test_itasca_tables_hold_the_stiffness_in_si_units(folder):
     text = (folder / "t/joint_stiffness.dat").read_text()
     table = pd.read_csv(folder / "t/answer.csv").drop(columns="barton_bandis_mm").dropna()
     for (cycle, branch), own in table.groupby(["cycle", "branch"]):
@@ -102,13 +102,17 @@ def with_flow(history, share=1.0, statuses=None):
     )
 
 
-def test_tables_of_flow_hold_the_geometric_mean_of_both_directions_and_a_bound(history):
+@pytest.mark.parametrize(("name", "factor"), [("aperture", 2.0), ("aperture-bound", 4.0)])
+def test_tables_of_flow_hold_the_geometric_mean_of_both_directions(history, name, factor):
     flowing = with_flow(history)
-    text, table = itasca(flowing), stress_table(flowing)
+    table = stress_table(flowing)
     first = table[(table.cycle == 1) & (table.branch == "loading")]
-    for name, factor in (("aperture", 2.0), ("aperture-bound", 4.0)):
-        _, values = itasca_table(text, f"{name}-cycle-1-loading")
-        np.testing.assert_allclose(values, factor * 1e-3 * first.mean_aperture_mm, rtol=1e-6)
+    _, values = itasca_table(itasca(flowing), f"{name}-cycle-1-loading")
+    np.testing.assert_allclose(values, factor * 1e-3 * first.mean_aperture_mm, rtol=1e-6)
+
+
+def test_flow_of_a_table_is_never_below_zero(history):
+    flowing = with_flow(history)
     shut = flowing.hydraulic_aperture - flowing.hydraulic_aperture.min("step")  # at the maximum
     curves = stress_table(flowing.assign(hydraulic_aperture=shut))
     assert (curves[["hydraulic_aperture_mm", "transmissivity_m2_per_s"]] < 0.0).sum(axis=None) == 0
@@ -161,7 +165,7 @@ def test_a_bound_of_the_flow_never_stands_in_for_an_aperture_that_is_not_known(h
     )
 
 
-def test_a_blocked_flow_gives_geos_a_bound_under_its_name_and_no_aperture(history):
+def test_a_blocked_flow_gives_geos_a_bound_under_its_name_alone(history):
     blocked = with_flow(history, share=0.0)
     files = exports.geos_files(blocked, stress_table(blocked))
     assert {name for name in files if "aperture" in name} == {"geos_aperture_bound.csv"}
@@ -182,24 +186,46 @@ def test_apertures_for_geos_never_open_as_the_joint_closes(history):
     assert held[0] > 1.02 * plain[0]
 
 
-def test_the_ends_of_a_band_have_files_and_tables_of_their_own(history, capsys):
-    curves = stress_table(history)
-    names = [name for name in curves if name not in ("cycle", "branch", "normal_stress_MPa")]
-    ends = {"low": 0.9, "high": 1.3}
-    band = curves.assign(**{f"{n}_{end}": f * curves[n] for n in names for end, f in ends.items()})
+LOW, HIGH = 0.9, 1.3
+BAND = {"": 1.0, "-low": LOW, "-high": HIGH}
+"""Factors of curves and the ends of their band by the end of a name."""
+
+
+def with_band(curves, low, high):
+    """Curves of a table with the ends of a band."""
+    names = [name for name in curves.select_dtypes("number") if name not in ("cycle", PLACE)]
+    ends = {"low": low, "high": high}
+    return curves.assign(**{f"{n}_{end}": f * curves[n] for n in names for end, f in ends.items()})
+
+
+@pytest.fixture(scope="module")
+def band(history):
+    return with_band(stress_table(history), LOW, HIGH)
+
+
+@pytest.mark.parametrize("ending", BAND)
+def test_the_ends_of_a_band_have_itasca_tables_of_their_own(history, band, ending):
     text = exports.itasca_tables(history, band)["joint_stiffness.dat"]
     known = itasca_table(itasca(history), "kn-cycle-2-loading")[1]
-    solids, one = exports.porepy_files(history, band), porepy(history)
-    for ending, factor in (("", 1.0), ("-low", 0.9), ("-high", 1.3)):
-        values = itasca_table(text, f"kn-cycle-2-loading{ending}")[1]
-        np.testing.assert_allclose(values, factor * known, rtol=1e-6)
-        solid = solids[f"porepy{ending.replace('-', '_')}.json"]
-        for name, value in one.items():
-            power = -1.0 if name == "fracture_normal_stiffness" else 1.0
-            assert solid[name] == pytest.approx(factor**power * value, rel=1e-3)
+    values = itasca_table(text, f"kn-cycle-2-loading{ending}")[1]
+    np.testing.assert_allclose(values, BAND[ending] * known, rtol=1e-6)
+
+
+@pytest.mark.parametrize("ending", BAND)
+def test_the_ends_of_a_band_have_porepy_files_of_their_own(history, band, ending):
+    solid = exports.porepy_files(history, band)[f"porepy{ending.replace('-', '_')}.json"]
+    for name, value in porepy(history).items():
+        power = -1.0 if name == "fracture_normal_stiffness" else 1.0
+        assert solid[name] == pytest.approx(BAND[ending] ** power * value, rel=1e-3)
+
+
+def test_the_ends_of_a_band_have_geos_tables_of_their_own(history, band):
     files = exports.geos_files(history, band)
     apertures = [files[f"geos_aperture{end}.csv"].split() for end in ("_low", "", "_high")]
     assert (np.diff(np.array(apertures, float), axis=0) > 0.0).all()
+
+
+def test_an_end_of_a_band_without_an_aperture_has_no_geos_table(history, band, capsys):
     full = exports.geos_files(history, band.assign(mean_aperture_mm_low=0.0))
     assert {"geos_aperture.csv", "geos_aperture_high.csv"} == {n for n in full if "aperture" in n}
     assert "not written: geos_aperture_low.csv: the mean ap" in capsys.readouterr().out
@@ -214,34 +240,47 @@ def test_named_stresses_change_no_input_of_other_programs_but_tables_for_dem(his
     assert {0.2e6, 1.3e6} <= set(itasca_table(text, "kn-cycle-2-loading")[0])
 
 
-def test_the_engineering_figure_names_its_bands_and_square_metres(history):
-    curves = stress_table(with_flow(history))
-    names = [name for name in curves.select_dtypes("number") if name not in ("cycle", PLACE)]
-    ends = {"low": 0.9, "high": 1.1}
-    band = curves.assign(**{f"{n}_{end}": f * curves[n] for n in names for end, f in ends.items()})
-    figure = engineering_figure(with_flow(history), "a joint", band)
+@pytest.fixture(scope="module")
+def figure(history):
+    """The engineering figure of a joint with flow, with a band."""
+    flowing = with_flow(history)
+    return engineering_figure(flowing, "a joint", with_band(stress_table(flowing), 0.9, 1.1))
+
+
+def test_the_engineering_figure_names_its_bands(figure):
     for axes in figure.axes:
         shown = {text.get_text() for text in axes.get_legend().get_texts()}
         assert {"cycle 1, band of nine in ten", "cycle 2, band of nine in ten"} <= shown
+
+
+def test_the_engineering_figure_shows_transmissivity_in_square_metres(figure):
     assert figure.axes[3].get_ylabel() == "transmissivity of water at 20 °C (m²/s)"
 
 
-def test_laws_lie_inside_the_frame_and_no_cycle_hides_another(history):
+@pytest.fixture(scope="module")
+def axes_with_law(history):
+    """Axes of the engineering figure of a joint with a law of its first cycle."""
     law = SimpleNamespace(closure=lambda stress: 1e-3 * stress / (stress + 1e6))
-    figure = engineering_figure(history, "a joint", laws={1: law})
-    closing, *others = figure.axes
+    return engineering_figure(history, "a joint", laws={1: law}).axes
+
+
+def test_laws_lie_inside_the_frame(axes_with_law):
+    closing = axes_with_law[0]
     (drawn,) = (line for line in closing.lines if line.get_label() == "Barton-Bandis")
     assert drawn.get_xdata().max() > closing.lines[0].get_xdata().max()  # beyond the joint
     assert drawn.get_xdata().max() <= closing.get_xlim()[1]
     assert drawn.get_ydata().max() <= closing.get_ylim()[1]
-    for axes in others[:2]:
+
+
+@pytest.mark.parametrize("branch", ["loading", "unloading"])
+def test_no_cycle_hides_another_in_the_engineering_figure(axes_with_law, branch):
+    for axes in axes_with_law[1:3]:
         widths = {
             line.get_label(): (line.get_linewidth(), line.get_zorder()) for line in axes.lines
         }
-        for branch in ("loading", "unloading"):
-            first, second = (widths[f"cycle {cycle}, {branch}"] for cycle in (1, 2))
-            assert first[0] > 1.5 * second[0]  # it is seen beside the second, which is above it
-            assert first[1] < second[1]
+        first, second = (widths[f"cycle {cycle}, {branch}"] for cycle in (1, 2))
+        assert first[0] > 1.5 * second[0]  # it is seen beside the second, which is above it
+        assert first[1] < second[1]
 
 
 def test_porepy_closes_as_the_joint_does(folder, history):
@@ -272,8 +311,8 @@ def fish_constants(history, curves, laws=LAWS):
     return values, lambda stress: eval(rule.replace("^", "**"), {}, values | {"stress": stress})
 
 
-def test_constants_for_udec_and_3dec_are_those_of_the_laws(history):
-    values, stiffness = fish_constants(history, stress_table(history))
+def test_constants_for_udec_or_3dec_are_those_of_the_laws(history):
+    values, _ = fish_constants(history, stress_table(history))
     assert values["bb_lab_jrc"] == 9.0
     assert (values["bb_jrc"], values["bb_jcs"]) == pytest.approx(LAWS.scaled, rel=1e-6)
     assert (values["bb_lab_length"], values["bb_length"]) == (0.1, 1.0)
@@ -283,6 +322,11 @@ def test_constants_for_udec_and_3dec_are_those_of_the_laws(history):
         assert values[f"bb_vm_cycle_{cycle}"] == pytest.approx(law.largest_closure, rel=1e-6)
     stiff, opening, _ = porepy(history).values()
     assert (values["bb_kni"], values["bb_vm"]) == pytest.approx((stiff, opening), rel=1e-6)
+
+
+def test_the_stiffness_for_udec_or_3dec_is_the_slope_of_the_hyperbola(history):
+    _, stiffness = fish_constants(history, stress_table(history))
+    stiff, opening, _ = porepy(history).values()
     assert stiffness(0.5e6) == pytest.approx(stiff, rel=1e-6)
     # the slope of the stress over the closure of the hyperbola
     stress = np.array([2e6, 2.001e6])
@@ -290,13 +334,21 @@ def test_constants_for_udec_and_3dec_are_those_of_the_laws(history):
     assert stiffness(2.0005e6) == pytest.approx(1e3 / np.diff(closure)[0], rel=1e-4)
 
 
-def test_the_law_for_udec_and_3dec_is_there_without_a_hyperbola_of_the_joint(history):
-    straight = stress_table(history)
-    closure = straight.normal_stress_MPa - 0.5
-    straight = straight.assign(closure_net_since_seating_mm=1e-3 * closure)
+@pytest.fixture(scope="module")
+def straight(history):
+    """The table of a joint that closes in proportion to the stress, which is no hyperbola."""
+    table = stress_table(history)
+    closure = table.normal_stress_MPa - 0.5
+    return table.assign(closure_net_since_seating_mm=1e-3 * closure)
+
+
+def test_the_law_for_udec_or_3dec_is_there_without_a_hyperbola_of_the_joint(history, straight):
     values, _ = fish_constants(history, straight)
     assert "bb_kni" not in values
     assert "bb_kni_cycle_1" in values
+
+
+def test_udec_or_3dec_get_nothing_without_a_hyperbola_or_a_law(history, straight):
     with pytest.raises(jc.InputError, match="UDEC, 3DEC: the loading of cycle 2 hardly bends"):
         fish_constants(history, straight, laws_of_joint(2.0, 165e6, 0.5e6, 2))
 
@@ -390,17 +442,25 @@ def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_take
         porepy(above)
 
 
-def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_same(small_joint):
+@pytest.fixture(scope="module")
+def without_interaction():
+    """A joint in which only cells in contact do not close."""
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
     alone = jc.Effects(interaction=False, breakage=False, gouge=False)
-    history = closed(small_joint, 2e6, effects=alone, seating_stress=0.2e6)
-    gap, aperture = geos_table(history)
+    return closed(walls, 2e6, effects=alone, seating_stress=0.2e6)
+
+
+def test_only_the_end_of_a_table_that_is_too_steep_for_geos_is_changed(without_interaction):
+    gap, aperture = geos_table(without_interaction)
     slopes = np.diff(aperture) / np.diff(gap)
     assert slopes[-1] == pytest.approx(exports.OPENING_SLOPE, rel=1e-6)
-    # without interaction only cells in contact do not close
     np.testing.assert_allclose(slopes[:-1], 1.0, rtol=1e-2)
     assert (slopes < 1.0).all()
     assert gap[-1] == 0.0
-    blocked = history.assign(mean_aperture=0.0 * history.mean_aperture)
+
+
+def test_a_mean_aperture_of_zero_is_refused_for_geos(without_interaction):
+    blocked = without_interaction.assign(mean_aperture=0.0 * without_interaction.mean_aperture)
     refused = r"mean aperture must be known and positive, and is not at 0.2 MPa"
     with pytest.raises(jc.InputError, match=refused):
         geos_table(blocked)

@@ -20,7 +20,7 @@ STRENGTH = ["--range", "compressive_strength_MPa"]
 @pytest.fixture(autouse=True)
 def nothing_is_computed(monkeypatch, inputs):
     monkeypatch.chdir(inputs)
-    for name in ("joint.simulation.close_walls", "uncertainty.scanned_joint.close_walls"):
+    for name in ("joint.simulation.close_checked", "uncertainty.scanned_joint.close_checked"):
         monkeypatch.setattr(f"jointclosure.{name}", None)
 
 
@@ -34,6 +34,10 @@ def nothing_is_computed(monkeypatch, inputs):
         (["close", *SCANS, *GRANITE, "--range", "strength", 1, 2], "--range strength: must be one"),
         (["close", *SCANS, *GRANITE, *(2 * [*STRENGTH, 1, 2])], "MPa: must be given once"),
         (["close", *SCANS, *GRANITE, *STRENGTH, 1, 2, "--single"], "left out with --single"),
+        (
+            ["close", *SCANS, *GRANITE, "--largest-radius", 0.05],
+            "must be at least the grid spacing",
+        ),
         (["simulate"], "(such as --rock granite): --youngs-modulus, --poisson-ratio"),
         (["simulate", "--rock", "slate", "--tolerance", 0.01], "--tolerance: has no effect on"),
         (["simulate", "--rock", "slate", "--output", "joint.txt"], "joint.txt: must end in .nc"),

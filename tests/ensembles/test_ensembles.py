@@ -102,23 +102,33 @@ def test_threads_end_with_the_work_that_wanted_them():
     assert ended == [1]
 
 
-def test_a_joint_whose_worker_was_killed_is_closed_again_and_workers_change_no_bit(
-    alone, monkeypatch, tmp_path
-):
+@pytest.fixture(scope="module")
+def after_a_kill(tmp_path_factory):
+    """Joints of which one, by two workers, was closed again after its worker was killed."""
     pairs = [rule(seed) for seed in (3, 5, 4)]
     pairs[1] = tuple(wall - pairs[1][0][0, 0] for wall in pairs[1])
-    marker = tmp_path / "killed"
-    monkeypatch.setattr(joints, "close_joint", functools.partial(kill_worker_once, marker=marker))
-    with pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]") as warned:
+    marker = tmp_path_factory.mktemp("killed") / "killed"
+    killing = functools.partial(kill_worker_once, marker=marker)
+    again = pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]")
+    with pytest.MonkeyPatch.context() as patch, again as warned:
+        patch.setattr(joints, "close_joint", killing)
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1
     assert marker.exists()
-    assert (ensemble.error == "").all()
+    return ensemble
+
+
+def test_a_joint_whose_worker_was_killed_is_closed_again(after_a_kill):
+    assert (after_a_kill.error == "").all()
+    assert np.isfinite(after_a_kill.max_closure).all()
+
+
+def test_the_number_of_workers_changes_no_bit(after_a_kill, alone):
     one, other = (
-        without_times(each).isel(realization=[0, 2]).drop_vars("seed") for each in (ensemble, alone)
+        without_times(each).isel(realization=[0, 2]).drop_vars("seed")
+        for each in (after_a_kill, alone)
     )
     xr.testing.assert_identical(one, other)
-    assert np.isfinite(ensemble.max_closure).all()
 
 
 def test_a_script_without_a_guard_is_not_run_again(tmp_path):
@@ -149,17 +159,31 @@ def test_small_joints_are_closed_without_an_estimate():
     assert expected_cost(*walls(32), CONDITIONS, single=False) is None
 
 
-def test_the_cost_grows_with_the_cells_and_with_the_range():
+@pytest.fixture(scope="module")
+def single_cost():
+    """Walls, and what it costs to close them without their range."""
     upper, lower = walls(160)
     assert upper.size > SMALL
-    one, several = (expected_cost(upper, lower, CONDITIONS, single) for single in (True, False))
+    return upper, lower, expected_cost(upper, lower, CONDITIONS, single=True)
+
+
+def test_the_cost_grows_with_the_range(single_cost):
+    upper, lower, one = single_cost
+    several = expected_cost(upper, lower, CONDITIONS, single=False)
     for cost in (one, several):
         assert 0.0 < cost.seconds[0] < cost.seconds[1]
     assert several.seconds[0] > 5.0 * one.seconds[0]
-    text = Cost((140.0, 3900.0), 5e8).sentence(upper.shape, SPACING)
-    assert "160 x 160 cells will take about 2 min to 1 h of processor time and 0.5 GB" in text
+
+
+def test_the_cost_grows_with_the_cells(single_cost):
+    upper, lower, one = single_cost
     larger = expected_cost(*(np.tile(wall, 2) for wall in (upper, lower)), CONDITIONS, single=True)
     assert larger.memory - one.memory == BYTES * upper.size
+
+
+def test_a_cost_is_stated_in_times_of_the_processor():
+    text = Cost((140.0, 3900.0), 5e8).sentence((160, 160), SPACING)
+    assert "160 x 160 cells will take about 2 min to 1 h of processor time and 0.5 GB" in text
 
 
 def test_the_cost_of_a_range_is_that_of_the_cells_of_its_variants(monkeypatch):
@@ -182,18 +206,30 @@ def test_many_cells_need_a_stated_spacing():
         check_cells((1001, 1000), SPACING, stated=False)
 
 
-def test_a_forecast_has_the_powers_of_the_cells_their_scatter_and_the_memory_of_all_at_once(
-    monkeypatch,
-):
+FLAT = np.zeros((200, 200))
+
+
+def forecast(monkeypatch, **how):
+    """Expected cost of a flat joint, as if its window of 128 x 128 cells took ten seconds."""
     monkeypatch.setattr(estimation, "_time_of_window", lambda *walls: (10.0, 128 * 128))
-    flat = np.zeros((200, 200))
-    conditions = Conditions(**LOAD).checked()
-    one = expected_cost(flat, flat, conditions, single=True)
-    share = flat.size / 128**2
+    return expected_cost(FLAT, FLAT, Conditions(**LOAD).checked(), **how)
+
+
+def test_a_forecast_has_the_powers_of_the_cells_with_their_scatter(monkeypatch):
+    one = forecast(monkeypatch, single=True)
+    share = FLAT.size / 128**2
     assert one.seconds == pytest.approx((10.0 / 1.4 * share**1.15, 10.0 * 1.4 * share**1.75))
-    assert one.memory == pytest.approx(300e6 + 1000 * flat.size)
-    ranged = expected_cost(flat, flat, conditions, single=False, workers=2)
-    assert ranged.memory == pytest.approx(300e6 + 2 * 1000 * flat.size)
+    ranged = forecast(monkeypatch, single=False, workers=2)
     assert ranged.seconds[0] > 10.0 * one.seconds[0]
-    for cells, step in (((150, 200), 2), ((150, 401), 3)):
-        assert f"{1e3 * step * SPACING:.4g} mm" in estimation.coarser(cells, SPACING)
+
+
+def test_a_forecast_has_the_memory_of_all_joints_at_once(monkeypatch):
+    one = forecast(monkeypatch, single=True)
+    assert one.memory == pytest.approx(300e6 + 1000 * FLAT.size)
+    ranged = forecast(monkeypatch, single=False, workers=2)
+    assert ranged.memory == pytest.approx(300e6 + 2 * 1000 * FLAT.size)
+
+
+@pytest.mark.parametrize(("cells", "step"), [((150, 200), 2), ((150, 401), 3)])
+def test_a_forecast_of_many_cells_comes_with_a_coarser_spacing(cells, step):
+    assert f"{1e3 * step * SPACING:.4g} mm" in estimation.coarser(cells, SPACING)

@@ -1,4 +1,4 @@
-"""Cache: what is there, whole and of the same settings is kept; all else is made."""
+"""Cache: only what is missing, damaged or of other settings is made."""
 
 import os
 
@@ -9,10 +9,12 @@ from jointclosure.execution import cache
 from jointclosure.execution.cache import Entry, is_kept, make_missing
 
 
-@pytest.fixture(autouse=True)
-def code(monkeypatch):
+@pytest.fixture(autouse=True, scope="module")
+def code():
     """Makers of tests are in no package whose code is digested."""
-    monkeypatch.setattr(cache, "_code", lambda *functions: functions)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cache, "_code", lambda *functions: functions)
+        yield
 
 
 def doubled(number: float, report, why: str = "") -> xr.Dataset:
@@ -43,7 +45,7 @@ def flip_a_bit(file):
     file.write_bytes(data)
 
 
-def test_what_is_missing_foreign_or_damaged_is_made_and_nothing_else(tmp_path):
+def test_only_what_is_missing_foreign_or_damaged_is_made(tmp_path):
     assert made(tmp_path, 1, 2, 3) == ["0", "1", "2"]
     assert made(tmp_path, 1, 2, 3) == []
     assert made(tmp_path, 1, 5, 3) == ["1"]
@@ -62,11 +64,21 @@ def test_options_change_no_key(tmp_path):
     assert entry.key != entry._replace(uses=("studies.size.study:nested",)).key
 
 
-def test_a_failure_is_named_and_all_others_are_made(tmp_path):
-    lines = []
+@pytest.fixture(scope="module")
+def failed(tmp_path_factory):
+    """The folder of entries of which two failed, and what was reported."""
+    folder, lines = tmp_path_factory.mktemp("failed"), []
     with pytest.raises(RuntimeError, match="2 of 4 could not be made"):
-        make_missing(entries(1, 13, 9, 4), tmp_path, 2, lines.append)
-    assert [is_kept(entry, tmp_path) for entry in entries(1, 13, 9, 4)] == [1, 0, 0, 1]
+        make_missing(entries(1, 13, 9, 4), folder, 2, lines.append)
+    return folder, lines
+
+
+def test_a_failure_is_named(failed):
+    folder, lines = failed
     assert any(line == "numbers/1: ValueError: unlucky" for line in lines)
     assert any("numbers/2: ProcessLostError" in line and "CORES=1" in line for line in lines)
-    assert "failed: ValueError: unlucky" in (tmp_path / "logs/numbers/1.log").read_text()
+    assert "failed: ValueError: unlucky" in (folder / "logs/numbers/1.log").read_text()
+
+
+def test_what_does_not_fail_is_made(failed):
+    assert [is_kept(entry, failed[0]) for entry in entries(1, 13, 9, 4)] == [1, 0, 0, 1]

@@ -6,10 +6,9 @@ import sys
 import time
 from pathlib import Path
 
-import psutil
 import pytest
 
-from tests.processes import python
+from tests.processes import processes_in, python
 
 FORK = """
 import ctypes, os, time
@@ -29,18 +28,6 @@ import time
 from jointclosure.execution.workers import shared
 list(shared(time.sleep, [(600,), (600,)], workers=2))
 """
-
-
-def processes_in(folder: Path) -> list[psutil.Process]:
-    """Processes that work in a folder."""
-    found = []
-    for process in psutil.process_iter():
-        try:
-            if Path(process.cwd()) == folder and process.status() != psutil.STATUS_ZOMBIE:
-                found.append(process)
-        except psutil.Error:
-            continue
-    return found
 
 
 def wait_for_processes(folder: Path, least: int, most: float = 60.0) -> None:

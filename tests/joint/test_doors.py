@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.parameters import USUAL, check_choices, check_usual
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.walls.gridding import Scan
 from studies.frame.rocks import ScannedWalls
 from studies.frame.walls import prepared_walls
@@ -220,7 +220,7 @@ LIMITS = {
 
 
 @pytest.mark.parametrize("name", LIMITS)
-def test_settings_are_taken_up_to_their_limits_and_no_further(name):
+def test_settings_are_taken_no_further_than_their_limits(name):
     (settings,) = (one for one in (NUMERICS, CHOICES, DOLERITE) if name in one._fields)
     below, first, last, above = LIMITS[name]
     for value in (first, last):
@@ -248,14 +248,24 @@ USUAL_ENDS = {
 }
 
 
-def test_values_a_unit_away_from_usual_ones_are_refused_and_0_and_infinity_are_no_slips():
+def test_usual_ends_are_those_of_all_usual_values():
     assert USUAL_ENDS.keys() == USUAL.keys()
-    for name, (low, high) in USUAL_ENDS.items():
-        for value in (low, high, 0.0, np.inf, None):
+
+
+@pytest.mark.parametrize("name", USUAL_ENDS)
+def test_values_a_unit_away_from_usual_ones_are_refused(name):
+    low, high = USUAL_ENDS[name]
+    for value in (low, high):
+        check_usual((), **{name: value})
+    for value in (0.99 * low, 1.01 * high):
+        with pytest.raises(jc.InputError, match=f"{name} = .*not usual"):
             check_usual((), **{name: value})
-        for value in (0.99 * low, 1.01 * high):
-            with pytest.raises(jc.InputError, match=f"{name} = .*not usual"):
-                check_usual((), **{name: value})
+
+
+@pytest.mark.parametrize("name", USUAL_ENDS)
+@pytest.mark.parametrize("value", [0.0, np.inf, None])
+def test_zero_or_infinity_is_not_refused_as_a_slip_of_units(name, value):
+    check_usual((), **{name: value})
 
 
 def test_seating_is_at_most_nine_tenths_of_the_smallest_maximum():
@@ -268,14 +278,17 @@ def test_seating_is_at_most_nine_tenths_of_the_smallest_maximum():
             jc.Conditions(**load, seating_stress=seating).checked()
 
 
-def test_an_asperity_is_no_flatter_than_a_cell_is_wide_and_a_switch_is_no_number():
+def test_an_asperity_is_no_flatter_than_a_cell_is_wide():
     check_choices(CHOICES._replace(largest_radius=SPACING), SPACING)
     with pytest.raises(jc.InputError, match="must be at least the grid spacing"):
         check_choices(CHOICES._replace(largest_radius=0.99 * SPACING), SPACING)
-    for name, switch in (("replay", NUMERICS), ("gouge", jc.Effects())):
-        for value in (1, None, "yes"):
-            with pytest.raises(jc.InputError, match=f"{name} = .*must be True or False"):
-                jc.Conditions(
-                    SPACING, DOLERITE, 1e6,
-                    **{type(switch).__name__.lower(): switch._replace(**{name: value})},
-                ).checked()  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "switch"), [("replay", NUMERICS), ("gouge", jc.Effects())])
+@pytest.mark.parametrize("value", [1, None, "yes"])
+def test_a_switch_is_no_number(name, switch, value):
+    with pytest.raises(jc.InputError, match=f"{name} = .*must be True or False"):
+        jc.Conditions(
+            SPACING, DOLERITE, 1e6,
+            **{type(switch).__name__.lower(): switch._replace(**{name: value})},
+        ).checked()  # fmt: skip

@@ -1,4 +1,4 @@
-"""Closures and stresses read from steps of a history; stiffnesses do not depend on the steps."""
+"""Closures, stresses and stiffnesses are read from the steps of a history, whatever these are."""
 
 import functools
 import itertools
@@ -33,7 +33,7 @@ def history(closure, stress, steps):
 
 
 @pytest.mark.parametrize("level", [2.0, 0.0, 5.0])
-def test_loading_takes_the_first_crossing_and_unloading_the_last(level):
+def test_both_branches_are_read_at_their_crossing_of_least_closure(level):
     first = crossing(STRESS, CLOSURE, level)
     last = crossing(STRESS[::-1], CLOSURE[::-1], level, "unloading")
     expected = {2.0: 15.0, 0.0: 0.0, 5.0: np.nan}[level]
@@ -129,7 +129,7 @@ LANDED = [0.0, 1.0, 2.0, 2.5, 2.6], [0.0, 1.0, 3.0, 3.9, 4.0]
 """Closures and stresses of a loading whose last whole step, of 1, ends at a stress of 3."""
 
 
-def test_only_loadings_beyond_a_former_maximum_by_fixed_steps_land_from_their_last_whole_step():
+def test_only_loadings_beyond_a_former_maximum_land_from_their_last_whole_step():
     once = [5]
     assert history_of(lab_history(*LANDED, once)).landing_stresses[0] == 3.0
     for changed in ({"breakage": "resolved"}, {"target": "interpolate"}):
@@ -182,14 +182,17 @@ def closed_joint():
     return closed(jc.wall_pair(8.0, (20, 24), SPACING, seed=3), 4e6, seating_stress=0.5e6)
 
 
-def test_a_maximum_within_a_percent_of_a_level_counts_as_reaching_it_and_no_lower_one():
+def test_a_maximum_within_a_percent_of_a_level_counts_as_reaching_it():
     closed = lab_history([0.0, 2.0, 4.0, 3.0, 2.0], [0.0, 2.0, 4.0, 2.0, 0.0], [3, 2])
     read = closures_at(closed, np.array([3.9, 4.0, 4.03, 4.05]), GROSS)
     assert np.isfinite(read[0, :, :3]).all()
     np.testing.assert_array_equal(read[0, :, 2], read[0, :, 1])
     assert np.isnan(read[0, :, 3]).all()
+
+
+def test_stress_levels_of_a_cycle_end_at_its_maximum():
     other = lab_history([*range(6)], [0.0, 4.0, 0.0, 2.0, 0.0, 2.0], [2, 1, 1, 1, 1], maximum=4.0)
-    assert stress_levels(other, 4, 2)[-1] == 2.0  # of its cycle
+    assert stress_levels(other, 4, 2)[-1] == 2.0
     assert stress_levels(other, 4)[-1] == stress_levels(other, 4, 1)[-1] == 4.0
 
 
@@ -199,14 +202,27 @@ def test_a_loop_of_rounding_is_none():
     np.testing.assert_array_equal(loop_between(loading, unloading) != 0.0, [0, 0, 1, 1])
 
 
-@hypothesis.given(st.lists(st.floats(0.01, 3.0), min_size=6, max_size=20))
-def test_slopes_of_any_curve_rise_and_leave_its_steepest_chords_by_no_more_than_twice(rises):
+rising_curves = st.lists(st.floats(0.01, 3.0), min_size=6, max_size=20)
+
+
+def slopes_of_steps(rises):
+    """Slopes of a curve whose closure rises so at each step of 1 of the stress."""
     stress = np.arange(len(rises) + 1.0)
-    closure = np.concatenate([[0.0], np.cumsum(rises)])
-    slopes = rising_slopes(stress, closure, stress)
-    assert (np.diff(slopes) >= -1e-12).all()
-    chords = 1.0 / np.array(rises)
+    return rising_slopes(stress, np.concatenate([[0.0], np.cumsum(rises)]), stress)
+
+
+@hypothesis.given(rising_curves)
+def test_slopes_of_any_curve_rise(rises):
+    assert (np.diff(slopes_of_steps(rises)) >= -1e-12).all()
+
+
+@hypothesis.given(rising_curves)
+def test_slopes_of_any_curve_leave_its_steepest_chords_by_no_more_than_twice(rises):
+    slopes, chords = slopes_of_steps(rises), 1.0 / np.array(rises)
     assert slopes[0] >= 0.5 * chords.min() * (1.0 - 1e-12)
     assert slopes[-1] <= 2.0 * chords.max() * (1.0 + 1e-12)
-    straight = rising_slopes(stress, 0.5 * stress, stress)
-    np.testing.assert_allclose(straight, 2.0)
+
+
+@pytest.mark.parametrize("steps", range(6, 21))
+def test_slopes_of_a_straight_curve_are_its_slope(steps):
+    np.testing.assert_allclose(slopes_of_steps([0.5] * steps), 2.0)

@@ -155,11 +155,11 @@ def answered(scenes, cycles) -> None:
     assert np.mean(answers) > MOSTLY
 
 
-def test_with_breakage_every_step_is_an_equilibrium_and_no_volume_is_lost():
+def test_with_breakage_every_step_is_an_equilibrium():
     answered([scene for scene in SCENES if scene.breakage], cycles=2)
 
 
-def test_without_breakage_closure_rises_with_stress_and_unloading_is_loading():
+def test_without_breakage_a_joint_has_one_curve():
     answered([scene for scene in SCENES if not scene.breakage], cycles=1)
 
 

@@ -30,16 +30,28 @@ def along_first_axis(field: np.ndarray, direction: str) -> np.ndarray:
     return field.T if direction == "x" else field
 
 
-@pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
-def test_a_sinusoidal_gap_has_its_serial_average_along_it_and_its_parallel_one_across(contrast):
-    """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, in closed form."""
+CONTRASTS = pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
+
+
+def sinusoidal_gap(contrast):
+    """h = h0 (1 + c sin) along x: <h^-3> and <h^3> over a period are known in closed form."""
     phase = 2.0 * np.pi * (np.arange(256) + 0.5) / 256
-    gap = np.tile(2e-4 * (1.0 + contrast * np.sin(phase)), (8, 1))
+    return np.tile(2e-4 * (1.0 + contrast * np.sin(phase)), (8, 1))
+
+
+@CONTRASTS
+def test_flow_along_a_sinusoidal_gap_has_its_serial_average(contrast):
+    gap = sinusoidal_gap(contrast)
     along = 2e-4 * ((1.0 - contrast**2) ** 2.5 / (1.0 + 0.5 * contrast**2)) ** (1.0 / 3.0)
-    across = 2e-4 * (1.0 + 1.5 * contrast**2) ** (1.0 / 3.0)
     assert flow_along(gap, "x").hydraulic_aperture == pytest.approx(along, rel=1e-12)
-    assert flow_along(gap, "y").hydraulic_aperture == pytest.approx(across, rel=1e-12)
     assert flow_along(gap.T, "y").hydraulic_aperture == pytest.approx(along, rel=1e-12)
+
+
+@CONTRASTS
+def test_flow_across_a_sinusoidal_gap_has_its_parallel_average(contrast):
+    across = 2e-4 * (1.0 + 1.5 * contrast**2) ** (1.0 / 3.0)
+    found = flow_along(sinusoidal_gap(contrast), "y").hydraulic_aperture
+    assert found == pytest.approx(across, rel=1e-12)
 
 
 def test_a_smooth_gap_converges_with_the_square_of_the_spacing():
@@ -62,16 +74,29 @@ def test_a_blocked_field_has_an_upper_bound_unless_a_whole_line_is_shut(directio
     assert largest_hydraulic(field, direction) == 0.0
 
 
-def test_a_wall_of_contacts_blocks_one_direction_and_one_open_cell_opens_it():
+@pytest.fixture
+def field():
+    """Apertures (y, x) [m] with a line of contacts across x."""
     field = np.full((20, 30), 1e-4)
     field[:, 11] = 0.0
+    return field
+
+
+def test_a_line_of_contacts_blocks_the_direction_across_it_alone(field):
     assert flow_along(field, "x")[:2] == flow_along(np.zeros((5, 5)), "x")[:2] == (0.0, BLOCKED)
     beside = flow_along(field, "y")
     assert beside.status == FLOWS
     assert beside.hydraulic_aperture == pytest.approx(1e-4 * (29 / 30) ** (1 / 3), rel=1e-12)
+
+
+def test_one_open_cell_opens_a_line_of_contacts(field):
     field[10, 11] = 1e-4
     assert flow_along(field, "x").hydraulic_aperture > 0.0
-    field[10, 12] = 0.0  # the open cell now meets what is behind it at corners only
+
+
+def test_a_cell_that_meets_others_at_corners_only_opens_no_line_of_contacts(field):
+    field[10, 11] = 1e-4
+    field[10, 12] = 0.0  # behind the open cell
     assert flow_along(field, "x")[:2] == (0.0, BLOCKED)
 
 
@@ -129,7 +154,7 @@ def test_pressures_and_flow_are_those_of_a_dense_solution(contact, direction, si
     assert flow.hydraulic_aperture == pytest.approx(field.max() * np.cbrt(outflow), rel=1e-9)
 
 
-def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():
+def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound():
     """A cell of 30 nm is solved, those of 15 nm beside it are left out, as cells of 1 mm adjoin."""
     field = np.full((20, 6), 1e-3)
     field[:, 3] = 15e-9

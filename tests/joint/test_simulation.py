@@ -1,7 +1,6 @@
-"""Histories of one joint: conventions, scenes, statuses, and what is refused."""
+"""Histories of one joint follow their conventions."""
 
 import itertools
-import json
 from unittest.mock import patch
 
 import numpy as np
@@ -11,7 +10,6 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.joint.history import history_of
 from jointclosure.solvers.fast import FastSolver
-from jointclosure.walls.gridding import Scan
 from tests import joints
 from tests.joints import ELASTIC, SPACING
 
@@ -34,21 +32,38 @@ def on(dataset, cycle, branch):
     return dataset.closure.values[here], dataset.normal_stress.values[here]
 
 
-@pytest.mark.parametrize("cycle", [1, 2])
-def test_branches_end_at_target_and_last_contact_and_closures_follow_the_conventions(closed, cycle):
-    (closure, stress), (back, relief) = (on(closed, cycle, b) for b in ("loading", "unloading"))
+@pytest.fixture(params=[1, 2])
+def cycle(request, closed):
+    """Number of a cycle, closure and stress of its loading, and those of its unloading."""
+    number = request.param
+    return number, on(closed, number, "loading"), on(closed, number, "unloading")
+
+
+def test_loading_ends_at_the_target(closed, cycle):
+    _, (_, stress), _ = cycle
     if not int(closed.status) & 1:  # did not jump
         assert stress[-1] == pytest.approx(TARGET, rel=1e-3)
     assert stress.max() == stress[-1]
+
+
+def test_unloading_ends_at_last_contact(cycle):
+    _, _, (_, relief) = cycle
     assert relief[-1] == 0.0 < relief[-2]
-    assert closed.residual_closure.values[cycle - 1] == back[-1]
-    assert closed.max_closure.values[cycle - 1] == pytest.approx(closure[-1] - closure[0])
+
+
+def test_closures_of_a_cycle_follow_the_conventions(closed, cycle):
+    number, (closure, stress), (back, _) = cycle
+    assert closed.residual_closure.values[number - 1] == back[-1]
+    assert closed.max_closure.values[number - 1] == pytest.approx(closure[-1] - closure[0])
     seated = closure[-1] - np.interp(5e5, stress, closure)
-    assert closed.max_closure_seated.values[cycle - 1] == pytest.approx(seated, rel=1e-6)
+    assert closed.max_closure_seated.values[number - 1] == pytest.approx(seated, rel=1e-6)
+
+
+def test_unloading_lies_below_loading(closed, cycle):
+    number, (closure, stress), (back, relief) = cycle
     inside = (back > closure[0]) & (back < closure[-1])
-    # unloading lies below loading
     assert np.all(relief[inside] <= np.interp(back[inside], closure, stress) + 1e-3 * TARGET)
-    assert 0.0 <= closed.unloading_excess.values[cycle - 1] <= 1e-2 * TARGET
+    assert 0.0 <= closed.unloading_excess.values[number - 1] <= 1e-2 * TARGET
 
 
 def test_last_contact_is_where_the_walls_as_they_are_only_just_touch(closed, walls):
@@ -56,17 +71,33 @@ def test_last_contact_is_where_the_walls_as_they_are_only_just_touch(closed, wal
     assert closed.residual_closure.values[-1] == pytest.approx(touch, abs=1e-18)
 
 
-def test_seating_changes_the_reading_and_never_the_history(walls, closed):
-    other = joints.closed(walls, TARGET, seating_stress=0.0)
-    xr.testing.assert_equal(other.closure, closed.closure)
-    np.testing.assert_array_equal(other.max_closure_seated, other.max_closure)
+@pytest.fixture(scope="module")
+def unseated(walls):
+    return joints.closed(walls, TARGET, seating_stress=0.0)
+
+
+def test_seating_never_changes_the_history(closed, unseated):
+    xr.testing.assert_equal(unseated.closure, closed.closure)
+
+
+def test_closures_are_read_from_seating_on(closed, unseated):
+    np.testing.assert_array_equal(unseated.max_closure_seated, unseated.max_closure)
     assert np.all(closed.max_closure_seated < closed.max_closure)
 
 
-def test_the_same_call_gives_the_same_numbers_and_leaves_the_walls_alone(walls, closed):
+@pytest.fixture(scope="module")
+def repeated(walls, closed):
+    """Copies of the walls, and the same joint that was closed after they were made."""
     copies = [wall.copy() for wall in walls]
-    xr.testing.assert_identical(joints.closed(walls, TARGET, seating_stress=5e5), closed)
-    np.testing.assert_array_equal(walls, copies)
+    return copies, joints.closed(walls, TARGET, seating_stress=5e5)
+
+
+def test_the_same_call_gives_the_same_numbers(closed, repeated):
+    xr.testing.assert_identical(repeated[1], closed)
+
+
+def test_the_given_walls_are_left_alone(walls, repeated):
+    np.testing.assert_array_equal(walls, repeated[0])
 
 
 @pytest.mark.parametrize("breakage", [False, True])
@@ -124,159 +155,7 @@ def test_seating_at_a_step_of_an_elastic_curve_makes_no_step_of_no_length(stress
     assert np.diff(loading).min() > 1e-3 * stress
 
 
-# Datasets of the public functions: indices, coordinates, attributes
-
-
-LOAD = {"rock": "granite", "max_normal_stress": 2e6, "cycles": 2}
-GRANITE = jc.Rock(73e9, 0.25, 173e6)
-
-
-@pytest.fixture(scope="module")
-def datasets():
-    walls = jc.wall_pair(8.0, (24, 24), SPACING, seed=1)
-    stated = {"spacing": SPACING, **LOAD}
-    scan = Scan(walls[0], (SPACING, SPACING))
-    single = {"orientation": "towards", "single": True, "numerics": jc.Numerics()}
-    return {
-        "simulate": jc.simulate(*walls, flow=True, snapshots=[1e6], **stated),
-        "simulate_ensemble": jc.simulate_ensemble([walls], workers=1, **stated),
-        "close": jc.close(scan, "flat", **single, **LOAD).history,
-        "equilibrium": jc.equilibrium(*walls, spacing=SPACING, rock="granite", closure=1e-5),
-    }
-
-
-@pytest.mark.parametrize("name", ["simulate", "simulate_ensemble", "close", "equilibrium"])
-def test_coordinates_are_indices_and_attributes_state_the_joint_and_outlive_a_file(
-    datasets, name, tmp_path
-):
-    data = datasets[name]
-    for dimension in set(data.dims) & set(data.coords):
-        assert data[dimension].dims == (dimension,)
-    if name != "equilibrium":
-        assert data.indexes["cycle"].tolist() == [1, 2]
-        for number in (1, 2):
-            cycle = data.max_closure.isel(cycle=number - 1)
-            xr.testing.assert_identical(data.max_closure.sel(cycle=number), cycle)
-    data.drop_vars("error", errors="ignore").to_netcdf(tmp_path / "data.nc")
-    attributes = xr.load_dataset(tmp_path / "data.nc").attrs
-    assert attributes["Conventions"].startswith("CF-")
-    assert attributes["spacing_m"] == pytest.approx(SPACING)
-    rock = json.loads(attributes["rock"])
-    assert rock["name"] == "granite"
-    assert rock["upper"] == rock["lower"]
-    assert rock["upper"]["youngs_modulus_GPa"] == 1e-9 * GRANITE.youngs_modulus
-    assert json.loads(attributes["numerics"]) == jc.Numerics()._asdict()
-    if name != "equilibrium":
-        assert attributes["max_normal_stress_Pa"] == 2e6
-
-
-WEAK = {
-    "spacing": SPACING,
-    "rock": jc.Rock(11e9, 0.25, 40e6),
-    "max_normal_stress": TARGET,
-    "numerics": jc.Numerics(breakage="resolved"),
-}
-
-
-def broken_walls(closed):
-    """Walls (y, x) [m] that a history leaves."""
-    return closed.upper_final.values, closed.lower_final.values
-
-
-@pytest.fixture(scope="module")
-def crushed(walls):
-    """Both cycles of a weak joint, and its walls after the first one."""
-    once = jc.simulate(*walls, cycles=1, **WEAK)
-    return jc.simulate(*walls, cycles=2, **WEAK), broken_walls(once)
-
-
-def closed_again(seed):
-    """Second and third cycle of a joint, and both cycles of its walls after the first one."""
-    walls = jc.wall_pair(8.0, (24, 24), SPACING, seed=seed)
-    numerics = jc.Numerics(breakage="resolved", replay=False)
-    cycles = jc.simulate(*walls, cycles=3, **WEAK | {"numerics": numerics})
-    once = jc.simulate(*walls, cycles=1, **WEAK)
-    return cycles, jc.simulate(*broken_walls(once), pristine=walls, cycles=2, **WEAK)
-
-
-def test_closing_crushed_walls_twice_equals_a_second_and_a_third_cycle():
-    changes = []
-    for seed in range(5):
-        cycles, again = closed_again(seed)
-        later = cycles.max_closure.values[1:]
-        changes.append(np.abs(again.max_closure.values / later - 1.0).max())
-        for history in (again, cycles):
-            stays = np.diff(history.residual_closure.values[-3:], prepend=0.0)[-2:]
-            assert np.all(np.abs(stays) < 0.01 * history.max_closure.values[-2:])
-    # both loadings end within 1e-3 of the maximum, so that a contact at its strength may break
-    assert np.median(changes) < 0.001
-
-
-def test_peaks_of_crushed_walls_without_pristine_ones_count_as_new(walls, crushed):
-    both, broken = crushed
-    softer = jc.simulate(*broken, cycles=1, **WEAK)
-    assert float(softer.max_closure[0]) > 1.02 * float(both.max_closure[1])
-
-
-def test_crushed_walls_that_are_loaded_again_break_no_further():
-    """A prediction that is too rough passes the maximum, and breaks what rested below it."""
-    first = again = 0
-    for seed in range(6):
-        walls = jc.wall_pair(8.0, (24, 24), SPACING, seed=seed)
-        once = jc.simulate(*walls, cycles=1, **WEAK)
-        twice = jc.simulate(*broken_walls(once), pristine=walls, cycles=1, **WEAK)
-        first, again = first + int(once.breakage_steps), again + int(twice.breakage_steps)
-    assert again < 3e-4 * first
-
-
-def change_by_reseating(seed, share):
-    """Relative change of the closure of a crushed joint after it was reseated by a cell, loaded to
-    a share of its stress, and put back."""
-    walls = jc.wall_pair(8.0, (24, 24), SPACING, seed=seed)
-    upper, lower = broken_walls(jc.simulate(*walls, cycles=1, **WEAK))
-    inner = [wall[:, 1:-1] for wall in walls]
-    kept = jc.simulate(upper[:, 1:-1], lower[:, 1:-1], pristine=inner, cycles=1, **WEAK)
-    there = WEAK | {"max_normal_stress": share * TARGET}
-    off = walls[0][:, 1:], walls[1][:, :-1]
-    moved = broken_walls(jc.simulate(upper[:, 1:], lower[:, :-1], pristine=off, cycles=1, **there))
-    back = moved[0][:, :-1], moved[1][:, 1:]
-    again = jc.simulate(*back, pristine=inner, cycles=1, **WEAK)
-    return float(again.max_closure[0] / kept.max_closure[0]) - 1.0
-
-
-def test_a_joint_reseated_by_a_cell_loaded_lightly_and_put_back_is_itself():
-    assert change_by_reseating(11, 0.01) == pytest.approx(0.0, abs=1e-9)
-    # of 16 joints, one or two break where they are moved and change by 4 to 7 %
-    lightly = [change_by_reseating(seed, 0.05) for seed in range(11, 16)]
-    assert np.median(np.abs(lightly)) < 0.01
-
-
-def test_weaker_crushed_rock_breaks_in_later_loadings_and_never_in_the_first(walls, crushed):
-    both, broken = crushed
-    weaker = WEAK | {"choices": jc.Choices(crushed_strength_ratio=0.8)}
-    closed = jc.simulate(*walls, cycles=3, **weaker)
-    assert closed.max_closure[0] == both.max_closure[0]
-    assert float(closed.max_closure[1]) > 1.1 * float(both.max_closure[1])
-    stays = np.diff(closed.residual_closure.values) / closed.max_closure.values[1:]
-    assert stays[0] > 0.2
-    assert stays[1] < 0.5 * stays[0]  # only cells that the second loading crushed are weaker now
-    again = jc.simulate(*broken, pristine=walls, cycles=1, **weaker)
-    assert float(again.max_closure[0]) == pytest.approx(float(closed.max_closure[1]), rel=0.02)
-
-
-def test_walls_that_cannot_be_the_pristine_ones_are_refused(walls):
-    with pytest.raises(
-        jc.InputError, match=r"pristine: shape \(24, 23\): must be that of the walls"
-    ):
-        jc.simulate(*walls, pristine=[wall[:, 1:] for wall in walls], **WEAK)
-    for one in (walls[0], walls[:1]):
-        with pytest.raises(jc.InputError, match=r"pristine of type .*: must be \(upper, lower\)"):
-            jc.simulate(*walls, pristine=one, **WEAK)
-    with pytest.raises(jc.InputError, match="pristine: not with peaks = 'current'"):
-        jc.simulate(*walls, pristine=walls, choices=jc.Choices(peaks="current"), **WEAK)
-
-
-def test_a_contact_that_is_locked_and_flat_is_counted_once():
+def test_a_locked_contact_is_not_counted_as_flat_too():
     pair = 5e-5 * np.random.default_rng(1).standard_normal((2, 12, 12))
     joint = joints.closed((pair[0], pair[1]), 5e7, rock=jc.Rock(50e9, 0.25, 1e6))
     assert float(joint.locked_share.max()) == pytest.approx(1.0)

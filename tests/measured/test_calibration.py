@@ -116,16 +116,20 @@ def made_up(rng, wavelength, strength, count):
     return mean + 0.1 * rng.standard_normal((count, 3))
 
 
-def test_mismatch_and_strength_are_told_apart_with_intervals_that_cover_them():
+@pytest.fixture(scope="module")
+def likelihood():
+    """Function that gives the likelihood of log readings among joints that follow `made_up`."""
     rng = np.random.default_rng(5)
     wavelengths, strengths = np.geomspace(1e-3, 8e-3, 6), np.geomspace(80e6, 320e6, 4)
     simulated = np.array([[made_up(rng, w, s, 12) for s in strengths] for w in wavelengths])
     curve = readings_of_curve(parsed_curve(GOOD, "lab.csv", cycle=1), SEATING)
+    return lambda logs: likelihood_of(
+        curve._replace(values=np.exp(logs)), simulated, wavelengths, strengths, 0.02
+    )
 
-    def likelihood(logs):
-        measured = curve._replace(values=np.exp(logs))
-        return likelihood_of(measured, simulated, wavelengths, strengths, 0.02)
 
+def test_intervals_of_mismatch_and_strength_cover_both(likelihood):
+    rng = np.random.default_rng(6)
     held = []
     for _ in range(60):
         truth = np.exp(rng.uniform(*np.log([1.5e-3, 5e-3]))), rng.uniform(110e6, 230e6)
@@ -134,7 +138,9 @@ def test_mismatch_and_strength_are_told_apart_with_intervals_that_cover_them():
         held.append([low <= value <= high for value, (low, high) in zip(truth, ends, strict=True)])
     assert np.all(np.mean(held, axis=0) >= 0.88)
     assert 0.001 < found.p_value <= 1.0
-    # a curve of another law is one that such joints do not make
+
+
+def test_a_curve_of_another_law_is_one_that_such_joints_do_not_make(likelihood):
     assert likelihood([-8.0, -8.5, -9.0]).p_value < 1e-6
 
 
@@ -165,10 +171,13 @@ def found(lab):
     return fit(lab, jrc=10.0, **ABOUT, cache=lab.parent)
 
 
-def test_joints_of_a_fit_are_kept_and_not_closed_again(found, lab, capsys):
+def test_joints_of_a_fit_are_not_closed_again(found, lab, capsys):
     again = fit(lab, jrc=10.0, **ABOUT, cache=lab.parent, progress=True)
     assert "closed" not in capsys.readouterr().out
     assert again.p_value == found.p_value
+
+
+def test_only_the_joints_that_a_fit_lacks_are_closed(found, lab, capsys):
     (joint, *_) = lab.parent.glob("wavelength_*.nc")
     joint.unlink()
     again = fit(lab, jrc=10.0, **ABOUT, cache=lab.parent, progress=True)

@@ -1,4 +1,4 @@
-"""Measured curves: what can be read and what is refused."""
+"""Measured curves are read, or refused with what is wrong with them."""
 
 import re
 
@@ -75,7 +75,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         (("0,0\n5,1\n", 1, ["1", "3"]), "or their numbers from 1 to 2"),
     ],
 )
-def test_what_is_wrong_is_said_with_file_line_and_value(text, printed):
+def test_an_error_of_a_curve_names_its_place_in_the_file(text, printed):
     text, *stated = (text,) if isinstance(text, str) else text
     with pytest.raises(InputError) as error:
         curve_of(text, **dict(zip(("cycle", "names"), stated, strict=False)))
@@ -449,7 +449,7 @@ def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text
     assert "lab.csv" in str(error.value)
 
 
-def test_closures_count_from_where_the_loading_reaches_seating_and_only_above_it():
+def test_closures_count_from_where_the_loading_reaches_seating():
     curve = curve_of(HEADER + "0,0.1,1\n0.4,0.2,1\n0.6,0.4,1\n2,0.6,1\n0.3,0.5,1\n0,0.45,1\n")
     (_, up, closed), (_, down, left) = curve.since_seating(1, 0.5e6)
     assert (up.tolist(), down.tolist()) == ([0.6e6, 2e6], [0.3e6, 0.0])
@@ -457,15 +457,17 @@ def test_closures_count_from_where_the_loading_reaches_seating_and_only_above_it
     np.testing.assert_allclose(left, [0.2e-3, 0.15e-3])
 
 
-def test_curves_start_at_or_below_seating_and_close_by_at_most_two_centimetres():
-    for stress, closure, printed in (
-        (0.5, 19.9, None),
-        (0.51, 19.9, "must start at or below"),
-        (0.5, 20.1, "closures range over 20.1 mm: must be at most 20 mm"),
-    ):
-        curve = curve_of(HEADER + f"{stress},0,1\n2,{closure},1\n")
-        if printed is None:
-            check_curve(curve, "lab.csv", 0.5e6)
-        else:
-            with pytest.raises(InputError, match=printed):
-                check_curve(curve, "lab.csv", 0.5e6)
+def checked_curve(stress, closure):
+    """Check a curve of two points: the first of a stress [MPa], the second of a closure [mm]."""
+    check_curve(curve_of(HEADER + f"{stress},0,1\n2,{closure},1\n"), "lab.csv", 0.5e6)
+
+
+def test_curves_start_at_or_below_seating():
+    checked_curve(0.5, 19.9)
+    with pytest.raises(InputError, match="must start at or below"):
+        checked_curve(0.51, 19.9)
+
+
+def test_curves_close_by_at_most_two_centimetres():
+    with pytest.raises(InputError, match=r"closures range over 20.1 mm: must be at most 20 mm"):
+        checked_curve(0.5, 20.1)

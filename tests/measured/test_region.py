@@ -1,4 +1,4 @@
-"""Regions of constants: joints of known constants lie in them, and impossible curves in none."""
+"""Regions of constants hold those of known joints, and nothing for impossible curves."""
 
 import re
 
@@ -116,22 +116,33 @@ def test_the_numerical_error_is_that_of_nearest_joints_by_a_finer_tolerance(regi
     assert any(line.startswith("numerical error, 4 nearest") for line in region.sentences())
 
 
-def test_a_mechanism_that_leaves_less_closure_is_not_compatible_and_says_what_it_misses(region):
+def test_a_mechanism_that_leaves_less_closure_is_not_compatible(region):
     assert not region.compatible(NEITHER)
-    row = constants(region, NEITHER).loc["strength"]
-    assert np.isnan(row.low)
+    assert np.isnan(constants(region, NEITHER).loc["strength"].low)
+
+
+def test_what_a_mechanism_misses_is_stated(region):
     (sentence,) = (line for line in region.sentences() if line.startswith("no mechanism"))
     assert "not compatible" in sentence
     assert "share of the closure of cycle 2 that stays" in sentence
 
 
-def test_joints_that_were_closed_are_kept_and_other_curves_read_from_them(asked, curves, region):
+@pytest.fixture(scope="module")
+def plain(asked, curves, region):
+    """The region of a joint whose walls stay, after that of another, and what was reported."""
     lines = []
-    plain = validate(curves[0], **asked, report=lines.append)
+    return validate(curves[0], **asked, report=lines.append), lines
+
+
+def test_joints_that_were_closed_are_kept(plain, region):
+    found, lines = plain
     closed = [line for line in lines if "closed: " in line]
     assert all(f"of {CHECKED}" in line for line in closed)  # the nearest, by a finer tolerance
-    np.testing.assert_array_equal(plain.closures, region.closures)
-    assert plain.compatible(NEITHER)
+    np.testing.assert_array_equal(found.closures, region.closures)
+
+
+def test_no_mechanism_is_compatible_with_a_curve_of_walls_that_stay(plain):
+    assert plain[0].compatible(NEITHER)
 
 
 def test_a_curve_of_impossible_physics_is_compatible_with_none(asked, curves):
@@ -143,35 +154,58 @@ def test_a_curve_of_impossible_physics_is_compatible_with_none(asked, curves):
     region_figure(none, "impossible")
 
 
-def test_quantities_are_those_of_the_curve_and_the_nearest_joints_contain_them(region, curves):
+@pytest.fixture(scope="module")
+def seated_anew(region):
+    """Quantities of the curve beside those of the nearest joints whose walls are shifted."""
     rows = region.quantities()
-    rows = rows[rows.mechanism == ANEW].set_index("quantity")
+    return rows[rows.mechanism == ANEW].set_index("quantity")
+
+
+def test_quantities_are_those_of_the_curve(seated_anew, curves):
     _, curve = curves
     # at the end of loading; unloading starts a little deeper where loading passed the maximum
     whole = curve.closure[curve.cycle == 1][curve.stress[curve.cycle == 1].argmax()]
-    assert rows.measured["closure of cycle 1"] == pytest.approx(1e3 * whole, rel=1e-6)
-    first, later = (rows.measured[rows.index.str.startswith(f"stiffness of cycle {n},")].iloc[0]
-                    for n in (1, 2))  # fmt: skip
-    assert rows.measured["stiffness of cycle 2 over the first"] == pytest.approx(later / first)
-    assert ((rows.low <= rows.measured) & (rows.measured <= rows.high)).all()
+    measured = seated_anew.measured
+    assert measured["closure of cycle 1"] == pytest.approx(1e3 * whole, rel=1e-6)
+    first, later = (
+        measured[measured.index.str.startswith(f"stiffness of cycle {n},")].iloc[0] for n in (1, 2)
+    )
+    assert measured["stiffness of cycle 2 over the first"] == pytest.approx(later / first)
 
 
-def test_one_loading_has_no_mechanism_and_walls_of_a_jrc_a_mismatch_wavelength(tmp_path):
+def test_quantities_of_the_nearest_joints_contain_those_of_the_curve(seated_anew):
+    low, measured, high = (seated_anew[name] for name in ("low", "measured", "high"))
+    assert ((low <= measured) & (measured <= high)).all()
+
+
+@pytest.fixture(scope="module")
+def one_loading(tmp_path_factory):
+    """The region of the single loading of a joint with walls of a JRC."""
     stresses = np.linspace(SEATING, 1.5e6, 8)
     joint = close_walls(
         *jc.wall_pair(10.0, (12, 12), SPACING, 5, mismatch_wavelength=1e-3, roll_off=None),
         Conditions(SPACING, ROCK, 1.5e6, 1, SEATING, numerics=COARSE),
     )
     loading = 1e3 * closures_at(joint, stresses)[0, 0]
-    path, about = tmp_path / "curve.csv", {"jrc": 10.0, "shape": (12, 12), "surfaces": 4}
+    path = tmp_path_factory.mktemp("one") / "curve.csv"
     table = {"stress_MPa": 1e-6 * stresses, "closure_mm": loading}
     pd.DataFrame(table).to_csv(path, index=False)
-    region = validate(path, rock=ROCK, **about, workers=1, seating_stress=SEATING, numerics=COARSE)
-    assert region.mechanisms == [NEITHER]
-    assert region.closures.shape[:4] == (1, 6, 4, 4)
-    assert list(constants(region, NEITHER).index) == ["strength", "mismatch wavelength"]
-    assert region.compatible(NEITHER)
-    assert region_figure(region, "one loading").axes
+    about = {"jrc": 10.0, "shape": (12, 12), "surfaces": 4, "workers": 1, "numerics": COARSE}
+    return validate(path, rock=ROCK, **about, seating_stress=SEATING)
+
+
+def test_one_loading_has_no_mechanism(one_loading):
+    assert one_loading.mechanisms == [NEITHER]
+    assert one_loading.compatible(NEITHER)
+
+
+def test_walls_of_a_jrc_have_a_mismatch_wavelength(one_loading):
+    assert one_loading.closures.shape[:4] == (1, 6, 4, 4)
+    assert list(constants(one_loading, NEITHER).index) == ["strength", "mismatch wavelength"]
+
+
+def test_the_region_of_one_loading_is_drawn(one_loading):
+    assert region_figure(one_loading, "one loading").axes
 
 
 @pytest.mark.slow
@@ -218,7 +252,7 @@ def readings(values=()):
     return Readings(2, (1,), levels, 0.5e6, np.asarray(values), read)
 
 
-def test_errors_of_quantities_are_their_scatter_where_each_closure_is_measured_to_its_error():
+def test_errors_of_quantities_are_their_scatter_by_measured_closures():
     """First order; the closure that stays is that of the recovered one, whose error it has."""
     random, error = generator(1), 0.01
     exact = np.array([0.10, 0.15, 0.20, 0.05, 0.11, 0.13])
@@ -231,7 +265,7 @@ def test_errors_of_quantities_are_their_scatter_where_each_closure_is_measured_t
         assert float(one.values) == pytest.approx(np.median(other.values), rel=0.02)
 
 
-def test_the_interval_of_one_more_joint_is_students_with_the_error_of_the_measurement():
+def test_the_interval_of_one_more_joint_is_students_with_the_measuring_error():
     """About the mean of n joints: t s sqrt(1 + 1/n), in logarithms, of those that did not fail."""
     joints = np.exp(generator(3).normal(-9.0, 0.2, (1, 6, 6)))
     joints[0, 0] = np.nan

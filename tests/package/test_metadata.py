@@ -1,5 +1,6 @@
-"""One version, one list of extras: what is written twice agrees."""
+"""What is written twice agrees: versions, extras, public names and contracts of imports."""
 
+import ast
 import inspect
 import tomllib
 from pathlib import Path
@@ -27,13 +28,18 @@ def test_the_version_is_that_of_pyproject():
     assert jc.__version__ == PROJECT["version"] == citation["version"]
 
 
-def test_the_extras_are_those_of_pyproject_and_none_is_needed_by_the_library():
-    declared = PROJECT["optional-dependencies"]
-    assert set(EXTRAS) == set(declared) - {"slurm", "kubernetes"}  # their modules are Snakemake's
+DECLARED = PROJECT["optional-dependencies"]
+
+
+def test_the_extras_are_those_of_pyproject():
+    assert set(EXTRAS) == set(DECLARED) - {"slurm", "kubernetes"}  # their modules are Snakemake's
     for extra, modules in EXTRAS.items():
-        of_extra = {module.lower() for module in modules}
-        assert of_extra == names(declared[extra]) - {"jointclosure"}
-        assert not names(PROJECT["dependencies"]) & of_extra
+        assert {name.lower() for name in modules} == names(DECLARED[extra]) - {"jointclosure"}
+
+
+def test_the_library_needs_no_module_of_an_extra():
+    for modules in EXTRAS.values():
+        assert not names(PROJECT["dependencies"]) & {module.lower() for module in modules}
 
 
 @pytest.mark.parametrize(
@@ -50,3 +56,27 @@ def test_each_argument_of_a_public_function_is_documented(name):
         assert {*MeasuredJoint._fields} <= arguments & documented(MeasuredJoint).keys()
         arguments -= set(MeasuredJoint._fields)
     assert arguments <= documented(function).keys()
+
+
+def test_every_public_name_is_what_its_module_defines():
+    stub = ast.parse(Path(jc.__file__).with_suffix(".pyi").read_text())
+    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
+    modules = {alias.name: node.module for node in imports for alias in node.names}
+    assert jc.__all__ == sorted(modules)
+    for name, module in modules.items():
+        public = getattr(jc, name)
+        if module is None:
+            assert public.__name__ == f"jointclosure.{name}"
+        else:
+            assert public.__module__ == f"jointclosure.{module}"
+    assert dir(jc) == sorted([*jc.__all__, "__version__"])
+    with pytest.raises(AttributeError, match="simulte"):
+        jc.simulte  # noqa: B018
+
+
+def test_every_study_is_in_the_contracts_of_imports():
+    held = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    studies = {f"studies.{file.parent.name}" for file in ROOT.glob("studies/*/page.md.j2")}
+    (layers,) = (each["layers"][0] for each in held if each["name"].startswith("Studies build"))
+    (alone,) = (each["modules"] for each in held if each["name"].startswith("No study imports"))
+    assert set(layers.split(" | ")) == set(alone) == studies - {"studies.paper"}

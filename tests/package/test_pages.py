@@ -1,4 +1,4 @@
-"""Pages are what their templates and the stored results give; stored results name their commit."""
+"""Stored results state their origin, and pages are made of them."""
 
 import json
 import re
@@ -29,25 +29,32 @@ SOLVER = "5cfd014e"
 
 
 @pytest.mark.parametrize("page", templates.pages(), ids=lambda page: page.name)
-def test_a_committed_page_is_what_its_template_and_the_stored_results_give(page):
+def test_a_committed_page_is_what_its_template_gives(page):
     template = templates.pages()[page]
     different = f"{page.name} differs: edit {template}, then make docs"
     assert page.read_text(encoding="utf-8") == templates.made(template), different
 
 
+def commit_of(path):
+    """The commit that a stored result names."""
+    return json.loads(path.read_text(encoding="utf-8"))["commit"]
+
+
 @pytest.mark.parametrize("path", ORIGINS, ids=lambda path: path.parent.name)
-def test_a_stored_result_names_its_commit_and_is_listed_if_its_solver_is_older(path):
-    origin = json.loads(path.read_text(encoding="utf-8"))
-    assert origin["commit"]
-    run = path.parent.name
-    git = ["git", "-C", str(ROOT), "merge-base", "--is-ancestor", SOLVER, origin["commit"]]
+def test_a_stored_result_names_its_commit(path):
+    assert commit_of(path)
+
+
+@pytest.mark.parametrize("path", ORIGINS, ids=lambda path: path.parent.name)
+def test_a_stored_result_is_listed_if_its_solver_is_older(path):
+    git = ["git", "-C", str(ROOT), "merge-base", "--is-ancestor", SOLVER, commit_of(path)]
     status = subprocess.run(git, check=False, capture_output=True).returncode
     if status > 1:
         pytest.skip("the history is not here")
-    assert (status == 1) == (run in templates.OLDER_SOLVER)
+    assert (status == 1) == (path.parent.name in templates.OLDER_SOLVER)
 
 
-def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(tmp_path, monkeypatch):
+def test_results_that_are_not_complete_replace_nothing_that_was_stored(tmp_path, monkeypatch):
     stored, run = tmp_path / "studies/mismatch/published/mismatch", tmp_path / "mismatch"
     shutil.copytree(ROOT / "studies/mismatch/published/mismatch", stored)
     shutil.copytree(stored, run / "tables")
@@ -61,7 +68,7 @@ def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(tmp
     assert (stored / "mismatch_shifts.csv").is_file()
 
 
-def test_a_stored_experiment_names_the_commit_and_the_keys_of_its_joints(tmp_path, monkeypatch):
+def test_a_stored_experiment_names_the_origin_of_its_joints(tmp_path, monkeypatch):
     """They are in a file a job, in a folder of the results."""
     run = tmp_path / "mismatch"
     shutil.copytree(ROOT / "studies/mismatch/published/mismatch", run / "tables")
@@ -85,3 +92,10 @@ def test_the_readmes_command_prints_the_closures_that_the_readme_states(tmp_path
     ranges = r"0\.\d+ \(0\.\d+ to 0\.\d+\)"
     line, _ = re.findall(r"^net closure since seating \(mm\).*", printed, re.M)  # of both ranges
     assert re.findall(ranges, line) == re.findall(f"({ranges}) mm on the", text)
+
+
+def test_the_readme_names_the_command_by_which_the_check_runs_the_tests():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    check = (ROOT / ".ci/run").read_text(encoding="utf-8").splitlines()
+    assert "make test" in check
+    assert "`make test`" in readme

@@ -1,4 +1,4 @@
-"""Figures: axes in and out, the style of the process, maps and animations of snapshots."""
+"""Figures show what they are given, and leave everything else alone."""
 
 import itertools
 
@@ -49,7 +49,7 @@ def joint(walls):
     )  # fmt: skip
 
 
-def test_figures_leave_the_backend_and_the_style_of_the_process_alone(tmp_path):
+def test_figures_leave_the_matplotlib_of_the_process_alone(tmp_path):
     python("-c", PROGRAM, cwd=tmp_path)
     assert (tmp_path / "figure.png").stat().st_size > 1000
 
@@ -85,18 +85,32 @@ def test_curves_since_anything_but_touch_start_at_zero_in_every_cycle(joint, sin
     assert {line.get_linestyle() for line in axes.lines} == {"-", "--"}
 
 
-def test_snapshots_are_pictures_that_differ_and_leave_no_trace_in_the_file(tmp_path, monkeypatch):
+def test_stresses_of_an_animation_are_close_where_joints_close_fast():
     stresses = snapshots.animated_stresses(16e6)
     assert (stresses[0], stresses[-1], len(stresses)) == (0.0, 16e6, snapshots.STRESSES + 1)
-    assert (np.diff(stresses, 2) > 0.0).all()  # close where joints close fast
-    monkeypatch.setattr(snapshots, "STRESSES", 2)
-    file, gif = tmp_path / "a.nc", tmp_path / "joint.gif"
+    assert (np.diff(stresses, 2) > 0.0).all()
+
+
+@pytest.fixture(scope="module")
+def animated(tmp_path_factory):
+    """The file of a joint with one snapshot, and its animation."""
+    folder = tmp_path_factory.mktemp("animated")
+    file, gif = folder / "a.nc", folder / "joint.gif"
     words = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
     words += ["--output", str(file), "--snapshots", "1", "--animation", str(gif)]
-    assert cli.main(words) == 0
-    assert set(read_netcdf(file).snapshot_stress.values) == {1e6}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(snapshots, "STRESSES", 2)
+        assert cli.main(words) == 0
+    return file, gif
+
+
+def test_an_animation_leaves_no_trace_in_the_file(animated):
+    assert set(read_netcdf(animated[0]).snapshot_stress.values) == {1e6}
+
+
+def test_snapshots_of_an_animation_are_pictures_that_differ(animated):
     frames = []
-    with Image.open(gif) as pictures:
+    with Image.open(animated[1]) as pictures:
         for number in range(pictures.n_frames):
             pictures.seek(number)
             frames.append(np.asarray(pictures.convert("L"), dtype=float))

@@ -1,12 +1,14 @@
 """Breakage, part by part; what must hold at rest is judged in the hard cases."""
 
+from typing import NamedTuple
+
 import hypothesis
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 
 from jointclosure import oracle
-from jointclosure.mechanics.contact_law import contact_law
+from jointclosure.mechanics.contact_law import ContactLaw, contact_law
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers import pair_batch as pb
@@ -176,7 +178,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
         pb.assess(batch, 1, 1.0 + 0.5 * band, rules)
         pb.measure_drops(batch, 1, pb.UPPER, tie)
         pb.measure_drops(batch, 1, pb.LOWER, tie)
-        ratio, kappa = batch.stress_ratio[0], batch.curvature[:, 0].sum()
+        ratio, kappa = batch.overlap_ratio[0], batch.curvature[:, 0].sum()
         strength = LAW.critical_indentation[0], LAW.breaking_force[0], LAW.substrate
         overstressed = is_overstressed(batch.overlap[0], kappa, *strength, filling)
         assert overstressed == (ratio > 1.0) or abs(ratio - 1.0) < 1e-9
@@ -198,12 +200,20 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
     assert 1.0 - 0.751 * band <= after <= 1.0 - 0.249 * band or lost >= most * (1.0 - 1e-9)
 
 
-@pytest.mark.parametrize("bound", ["none", "base"])
-def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_strength(
-    small_joint, bound
-):
-    upper, lower = small_joint
-    rock = DOLERITE._replace(compressive_strength=2e9)  # so that some hold, and some do not
+class LimitedContacts(NamedTuple):
+    """Contacts whose forces are limited, beside the same joint as the oracle has it."""
+
+    contacts: Contacts
+    state: oracle.State
+    joint: oracle.PristineJoint
+    locked: np.ndarray
+    curvature: np.ndarray
+    law: ContactLaw
+
+
+def limited_contacts(upper, lower, bound):
+    """Contacts of walls of which some hold, and some do not; all carry what they can."""
+    rock = DOLERITE._replace(compressive_strength=2e9)
     choices = Choices(strength_bound=bound)
     law = contact_law(SPACING, (rock, rock), Effects(), choices)
     peaks = peak_map(upper, lower)
@@ -212,23 +222,42 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     )
     walls = upper, lower, cells, curvature, compliance, peaks
     limit = strength_limits(*walls, law, True, 1e-12, 0.0)
-    locked = oracle.locked(upper, lower).ravel()[cells]
-    np.testing.assert_array_equal(
-        np.isinf(limit), locked | ((curvature == 0.0) & (bound == "none"))
-    )
     load = np.zeros(upper.size)
     load[cells] = np.where(np.isinf(limit), 0.0, limit)
-    given = oracle.PristineJoint(upper, lower, SPACING, rock, Effects(), choices)
-    state = oracle.State(upper, lower, load.reshape(upper.shape), 3e-4, load.sum())
-    pressure = oracle.pressures_over_limit(given, state)
-    np.testing.assert_allclose(pressure.ravel()[cells][np.isfinite(limit)], 1.0, rtol=1e-9)
-    table = influence_table(*upper.shape, law.base_radius, law.substrate_modulus, law.spacing)
-    contacts = Contacts(cells, overlap, compliance, limit, law.substrate)
-    found = solve_equilibrium(influence_of(table), contacts, 0.0 * overlap, np.nan, 1e-11)
-    load[cells] = found.force
-    _, left = oracle.overlaps_of(given, state, oracle.law_of(given, state))
-    gap = left - law.substrate * found.force - compliance * np.cbrt(found.force) ** 2
-    at_limit = found.force >= limit
+    return LimitedContacts(
+        Contacts(cells, overlap, compliance, limit, law.substrate),
+        oracle.State(upper, lower, load.reshape(upper.shape), 3e-4, load.sum()),
+        oracle.PristineJoint(upper, lower, SPACING, rock, Effects(), choices),
+        oracle.locked(upper, lower).ravel()[cells],
+        curvature,
+        law,
+    )
+
+
+@pytest.mark.parametrize("bound", ["none", "base"])
+def test_a_contact_is_limited_to_the_force_at_its_strength(small_joint, bound):
+    made = limited_contacts(*small_joint, bound)
+    limit = made.contacts.limit
+    np.testing.assert_array_equal(
+        np.isinf(limit), made.locked | ((made.curvature == 0.0) & (bound == "none"))
+    )
+    pressure = oracle.pressures_over_limit(made.joint, made.state).ravel()[made.contacts.cells]
+    np.testing.assert_allclose(pressure[np.isfinite(limit)], 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("bound", ["none", "base"])
+def test_limited_forces_are_complementary(small_joint, bound):
+    contacts, state, joint, _, _, law = limited_contacts(*small_joint, bound)
+    table = influence_table(
+        *small_joint[0].shape, law.base_radius, law.substrate_modulus, law.spacing
+    )
+    found = solve_equilibrium(influence_of(table), contacts, 0.0 * contacts.overlap, np.nan, 1e-11)
+    load = state.force.ravel()  # a view: the oracle's state has the forces that were found
+    load[contacts.cells] = found.force
+    _, left = oracle.overlaps_of(joint, state, oracle.law_of(joint, state))
+    own = law.substrate * found.force + contacts.compliance * np.cbrt(found.force) ** 2
+    gap = left - own
+    at_limit = found.force >= contacts.limit
     assert 0 < at_limit.sum() < at_limit.size
     assert np.all(gap[at_limit] >= -1e-12)  # would carry more, were it stronger
     inside = (found.force > 0.0) & ~at_limit

@@ -63,26 +63,39 @@ def test_forces_and_gaps_are_complementary(solver, small_joint, closure, soft_pe
     assert found.normal_stress == pytest.approx(force.sum() / (force.size * SPACING**2))
 
 
-def test_a_sweep_never_raises_the_energy_and_ends_at_the_solution(small_joint):
+@pytest.fixture
+def swept(small_joint):
+    """Contacts, their influence table, and the forces (sweep, cell) [N] after each sweep."""
     contacts, table = contacts_at(*small_joint, 3e-4)
+    force = np.zeros(contacts.cells.size)
+    forces = []
+    for _ in range(200):
+        coordinate_sweep(table, contacts, 0.0, force)
+        forces.append(force.copy())
+    return contacts, table, forces
+
+
+def test_a_sweep_never_raises_the_energy(swept):
+    contacts, table, forces = swept
     matrix = influence_matrix(table, contacts.cells)
 
     def energy(force):
         own = contacts.substrate * force**2 / 2 + 0.6 * contacts.compliance * force ** (5 / 3)
         return np.sum(own) + force @ matrix @ force / 2 - contacts.overlap @ force
 
-    force = np.zeros(contacts.cells.size)
-    energies = [0.0]
-    for _ in range(200):
-        coordinate_sweep(table, contacts, 0.0, force)
-        energies.append(energy(force))
+    energies = [0.0, *map(energy, forces)]
     assert np.all(np.diff(energies) <= 1e-12 * abs(energies[-1]))
-    assert contacts_energy(contacts, 0.0, matrix @ force, force) == pytest.approx(energies[-1])
-    solved = solve_equilibrium(influence_of(table), contacts, 0.0 * force, np.nan, 1e-12)
-    np.testing.assert_allclose(force, solved.force, atol=1e-6 * solved.force.max())
+    last = contacts_energy(contacts, 0.0, matrix @ forces[-1], forces[-1])
+    assert last == pytest.approx(energies[-1])
 
 
-def test_contacts_before_a_rigid_one_are_closed_to_their_force_though_a_longer_step_meets_it():
+def test_sweeps_end_at_the_solution(swept):
+    contacts, table, forces = swept
+    solved = solve_equilibrium(influence_of(table), contacts, 0.0 * forces[0], np.nan, 1e-12)
+    np.testing.assert_allclose(forces[-1], solved.force, atol=1e-6 * solved.force.max())
+
+
+def test_contacts_before_a_rigid_one_are_closed_to_their_force():
     """One of five alone would carry the force where the rigid contact is met already."""
     compliance = np.array([1e-8] * 5 + [0.0])
     overlap = np.array([0.0] * 5 + [-0.5e-8])

@@ -43,7 +43,7 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(br
 
 
 @pytest.mark.parametrize(("breakage", "tolerance"), [("fixed_step", 1e-12), ("resolved", 1e-3)])
-def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same(breakage, tolerance):
+def test_a_replayed_cycle_is_the_same_as_one_that_is_closed_again(breakage, tolerance):
     """Equilibrium is unique, and what was found to hold on unloading holds on reloading.
 
     Without an end of the steps at the former maximum, and with breakage begun at an interaction
@@ -96,7 +96,7 @@ def test_steps_beyond_a_former_maximum_are_as_short_as_those_of_a_first_loading(
     assert 0.5 < rises[0].size / rises[1].size < 2.0
 
 
-def test_the_error_of_a_step_with_resolved_breakage_is_estimated_and_grows_with_the_step():
+def test_the_estimated_error_of_resolved_breakage_grows_with_the_step():
     """By how much the force at rest misses that of the first equilibrium."""
     numerics, steps = jc.Numerics(breakage="resolved"), (2e-6, 8e-6, 32e-6)
     fast, start, shares = solver_named("fast"), 60e-6, []
@@ -118,37 +118,54 @@ def test_the_error_of_a_step_with_resolved_breakage_is_estimated_and_grows_with_
     assert errors[2] > 2.0 * max(errors[:2])
 
 
-@pytest.mark.parametrize("tolerance", [0.1, 0.01, 1e-3])
-def test_steps_follow_their_error_and_their_change_of_force_in_proportion_to_the_tolerance(
-    tolerance,
-):
-    numerics, given, target = jc.Numerics(breakage="resolved", tolerance=tolerance), 1e-5, 100.0
+GIVEN, TARGET = 1e-5, 100.0
+TOLERANCES = pytest.mark.parametrize("tolerance", [0.1, 0.01, 1e-3])
+
+
+def resolving(tolerance):
+    return jc.Numerics(breakage="resolved", tolerance=tolerance)
+
+
+def factors(tolerance, *trials):
+    """Factors of the steps that follow trials, which are errors and rises of force [N]."""
+    numerics = resolving(tolerance)
     rest = solver_named("fast").settle(joint_of(9, 1, numerics), 0.0, np.nan)
-
-    def following(missed, rise=1e-6, step=given):
-        control = StepControl(numerics, step, target, 0.0)
+    found = []
+    for missed, rise in trials:
+        control = StepControl(numerics, GIVEN, TARGET, 0.0)
         after = rest._replace(total_force=50.0 + rise, correction=missed)
-        return control.following(step, 50.0, after) / step
+        found.append(control.following(GIVEN, 50.0, after) / GIVEN)
+    return found
 
+
+@TOLERANCES
+def test_steps_follow_their_error_in_proportion_to_the_tolerance(tolerance):
     errors = tolerance * np.array([1.0, 3e2, 2e4, 6e5])
-    steps = [following(missed) for missed in errors]
+    *steps, half = factors(tolerance, *((e, 1e-6) for e in (*errors, 0.5 * errors[2])))
     assert steps[0] == steps[1] == 2.0  # longer, but not by more than twice
     assert 0.25 < steps[2] < 2.0
     assert steps[3] == 0.25
-    assert must_repeat(given, steps[3] * given)
-    assert following(errors[2]) == pytest.approx(0.5 * following(0.5 * errors[2]))
-    allowed = min(6.0 * tolerance, 0.1) * target
-    changes = [following(0.0, rise) for rise in allowed * np.array([0.1, 2, 20])]
+    assert must_repeat(GIVEN, steps[3] * GIVEN)
+    assert steps[2] == pytest.approx(0.5 * half)
+
+
+@TOLERANCES
+def test_steps_follow_their_change_of_force_in_proportion_to_the_tolerance(tolerance):
+    allowed = min(6.0 * tolerance, 0.1) * TARGET
+    changes = factors(tolerance, *((0.0, rise) for rise in allowed * np.array([0.1, 2, 20])))
     assert changes[0] == 2.0 > changes[1] > changes[2] == 0.25
-    # neither longer than the largest step, nor shorter than the smallest one
-    control = StepControl(numerics, given, target, 0.0)
-    step = given
+
+
+@TOLERANCES
+def test_steps_that_follow_their_error_keep_within_their_limits(tolerance):
+    control = StepControl(resolving(tolerance), GIVEN, TARGET, 0.0)
+    step = GIVEN
     for _ in range(20):
         step = control.after(step, 50.0, 0.0)
-    assert step == LARGEST_STEP * given
+    assert step == LARGEST_STEP * GIVEN
     for _ in range(20):
-        step = control.after(step, 50.0, target)
-    assert 0.0 < step < 0.1 * given
+        step = control.after(step, 50.0, TARGET)
+    assert 0.0 < step < 0.1 * GIVEN
 
 
 def test_steps_of_a_first_loading_are_shorter_before_a_stress_that_is_read():
@@ -211,7 +228,7 @@ def test_no_contact_of_an_idle_step_would_be_displaced_by_more_than_the_share(
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
-def test_the_interaction_of_a_joint_at_rest_is_that_of_its_forces_in_double_precision(breakage):
+def test_interaction_at_rest_is_that_of_the_forces_in_double_precision(breakage):
     """Products of the conjugate gradients are in single precision, and their sums drift."""
     numerics = jc.Numerics(breakage=breakage)
     joint = joint_of(32, 3, numerics)

@@ -1,4 +1,4 @@
-"""Every kernel with the JIT on and off: the same tests, and the same numbers.
+"""Every kernel with the JIT on and off: the same tests give the same numbers.
 
 The tests named in `BOTH` run in the suite with the JIT on. Here they run without, in a process of
 their own, and together call every kernel. Small joints come out as by compiled kernels.
@@ -18,7 +18,8 @@ from tests.processes import python
 BOTH = (
     "tests/mechanics",
     "tests/solvers/test_equilibrium.py::test_each_point_is_an_equilibrium_at_its_closure",
-    "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy_and_ends_at_the_solution",
+    "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy",
+    "tests/solvers/test_equilibrium.py::test_sweeps_end_at_the_solution",
     "tests/solvers/test_equilibrium.py::test_the_interaction_follows_a_change_of_the_forces",
     "tests/solvers/test_honest_failure.py::test_any_start_leads_to_the_same_equilibrium",
     "tests/solvers/test_kernels.py::test_small_joints_close_in_every_scene",
@@ -71,7 +72,7 @@ def test_small_joints_close_in_every_scene():
 
 
 @pytest.mark.slow
-def test_every_kernel_is_called_by_tests_that_pass_with_and_without_the_jit(tmp_path):
+def test_every_kernel_is_called_by_tests_that_pass_without_the_jit_too(tmp_path):
     calls = tmp_path / "calls.txt"
     words = ("-m", "pytest", "-q", "-p", "tests.kernel_calls", "-p", "no:cacheprovider", *BOTH)
     python(*words, NUMBA_DISABLE_JIT="1", KERNEL_CALLS=str(calls))

@@ -1,4 +1,4 @@
-"""Products in one order of sums, and influence between cells, kept or by convolution."""
+"""Products with the influence between cells: in one order of sums, kept or by convolution."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def test_products_are_those_of_linear_algebra(n):
     np.testing.assert_allclose(symmetric_inverse(matrix) @ matrix, np.eye(n), atol=1e-12)
 
 
-def test_the_matrix_is_that_of_its_cells_however_these_came_and_went():
+def test_the_matrix_is_that_of_its_cells_whatever_cells_it_had_before():
     table = table_of(17, 23)
     near, random = Neighbours(table), np.random.default_rng(2)
     begun_anew, largest = 0, 0

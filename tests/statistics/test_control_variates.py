@@ -1,3 +1,7 @@
+"""Means and deviations that control variates adjust."""
+
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -46,9 +50,11 @@ def test_each_adjustment_is_fitted_without_its_own_surface():
         assert adjusted[i] == pytest.approx(expected, rel=1e-10)
 
 
-@pytest.mark.parametrize("n", [60, 200])
-def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_plain(n):
-    random = generator(4)
+@pytest.fixture(scope="module", params=[60, 200])
+def deviations(request):
+    """Of many samples: adjusted deviations with errors, plain ones, whether limits hold the true
+    one."""
+    n, random = request.param, generator(4)
     found, plain, inside = [], [], []
     for _ in range(1500):
         values, covariates = surfaces(random, n)
@@ -57,10 +63,22 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
         inside.append(low <= DEVIATION <= high)
         found.append(one)
         plain.append(values.std(ddof=1))
-    found = np.array(found)
+    return np.array(found), plain, inside
+
+
+def test_adjusted_deviations_are_unbiased(deviations):
+    found, _, _ = deviations
     assert found[:, 0].mean() == pytest.approx(DEVIATION, rel=0.01)
+
+
+def test_adjusted_deviations_have_honest_errors(deviations):
+    found, _, inside = deviations
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.12)
     assert 0.92 <= np.mean(inside) <= 0.97
+
+
+def test_adjusted_deviations_scatter_less_than_plain_ones(deviations):
+    found, plain, _ = deviations
     assert np.var(plain) / np.var(found[:, 0]) > 1.5
 
 
@@ -78,18 +96,29 @@ def test_covariates_that_tell_nothing_of_a_surface_are_refused_by_what_is_wrong(
             adjusted_values(values, covariates, np.zeros(covariates.shape[1]))
 
 
-def test_deviations_are_not_negative_and_the_plain_ones_where_adjustment_is_not_asked_for():
-    """Of surfaces far from the known means an adjusted variance may be negative."""
-    random = generator(14)
-    values, covariates = surfaces(random, 20)
-    for scale in (1.0, 100.0):
-        known = Known(MEANS, scale * COVARIANCE, np.inf)
-        deviation, error = adjusted_deviation(values, covariates, known)
-        assert deviation > 0.0
-        assert error > 0.0
-        plain = adjusted_deviations(values, covariates, known, tell_scatter=False)
-        assert plain == pytest.approx(tuple(deviation_of(values)))
-    assert [fewest_surfaces(count) for count in (1, 2)] == [10, 15]
+FEW = surfaces(generator(14), 20)
+SCALES = pytest.mark.parametrize("scale", [1.0, 100.0])
+"""Of known covariances: of surfaces far from the known means an adjusted variance may be
+negative."""
+
+
+@SCALES
+def test_deviations_are_not_negative(scale):
+    deviation, error = adjusted_deviation(*FEW, Known(MEANS, scale * COVARIANCE, np.inf))
+    assert deviation > 0.0
+    assert error > 0.0
+
+
+@SCALES
+def test_deviations_are_plain_where_adjustment_is_not_asked_for(scale):
+    known = Known(MEANS, scale * COVARIANCE, np.inf)
+    plain = adjusted_deviations(*FEW, known, tell_scatter=False)
+    assert plain == pytest.approx(tuple(deviation_of(FEW[0])))
+
+
+@pytest.mark.parametrize(("covariates", "fewest"), [(1, 10), (2, 15)])
+def test_the_fewest_surfaces_are_five_for_each_coefficient(covariates, fewest):
+    assert fewest_surfaces(covariates) == fewest
 
 
 def test_adjusted_variances_of_few_surfaces_are_unbiased():
@@ -117,28 +146,51 @@ def levels_of_surfaces(random, n, shared):
     return samples, np.stack([covariates for _, covariates in rows])
 
 
-@pytest.mark.parametrize("shared", [True, False])
-def test_differences_and_elasticities_have_honest_errors_in_common_and_independent_draws(shared):
-    random = generator(7)
-    inside, found, plain, covered = [], [], [], []
+class Responses(NamedTuple):
+    """Differences and elasticities of many samples, and whether their limits hold the truth."""
+
+    shared: bool
+    differences: list
+    plain: list
+    inside: list
+    covered: list
+
+
+@pytest.fixture(scope="module", params=[True, False], ids=["common", "independent"])
+def drawn_responses(request):
+    """Responses to levels, of common surfaces or of others at each level."""
+    random, made = generator(7), Responses(request.param, [], [], [], [])
     slope = adjusted_truth()
     for _ in range(1200):
-        samples, covariates = levels_of_surfaces(random, 20, shared)
-        means = adjusted_means(samples, covariates, KNOWN, paired=shared)
+        samples, covariates = levels_of_surfaces(random, 20, made.shared)
+        means = adjusted_means(samples, covariates, KNOWN, paired=made.shared)
         change = means.combined([-1.0, 0.0, 1.0])
         low, high = confidence_limits(change, 20)
-        inside.append(low <= STEPS[2] - STEPS[0] <= high)
-        found.append(change.value)
-        plain.append(samples[2].mean() - samples[0].mean())
+        made.inside.append(low <= STEPS[2] - STEPS[0] <= high)
+        made.differences.append(change.value)
+        made.plain.append(samples[2].mean() - samples[0].mean())
         of_slope = elasticity_of(LEVELS, *means, 78.0)
         low, high = confidence_limits(of_slope, 20)
-        covered.append(low <= slope <= high)
-    assert np.mean(found) == pytest.approx(0.5, abs=0.02)
-    assert 0.93 <= np.mean(inside) <= 0.975
-    assert 0.93 <= np.mean(covered) <= 0.975
+        made.covered.append(low <= slope <= high)
+    return made
+
+
+def test_adjusted_differences_are_unbiased(drawn_responses):
+    assert np.mean(drawn_responses.differences) == pytest.approx(0.5, abs=0.02)
+
+
+def test_adjusted_differences_have_honest_errors(drawn_responses):
+    assert 0.93 <= np.mean(drawn_responses.inside) <= 0.975
+
+
+def test_adjusted_elasticities_have_honest_errors(drawn_responses):
+    assert 0.93 <= np.mean(drawn_responses.covered) <= 0.975
+
+
+def test_adjustment_helps_differences_of_independent_draws(drawn_responses):
+    gain = np.var(drawn_responses.plain) / np.var(drawn_responses.differences)
     # of common surfaces the covariates leave the difference by themselves: only fitting costs
-    gain = np.var(plain) / np.var(found)
-    assert 0.75 < gain < 1.0 if shared else gain > 5.0
+    assert 0.75 < gain < 1.0 if drawn_responses.shared else gain > 5.0
 
 
 def adjusted_truth():
@@ -166,7 +218,10 @@ def test_covariates_known_from_few_surfaces_widen_the_errors_by_what_they_are_of
     assert stated.covariance[0, 1] > 0.0
 
 
-def test_an_adjusted_length_estimates_the_plain_interval_and_scatters_as_it_says():
+@pytest.fixture(scope="module")
+def many_lengths():
+    """The true length; of many samples adjusted and plain ones, and whether limits hold the true
+    one."""
     random = generator(10)
     truth = indifference_interval(LEVELS, MEAN + 5 * STEPS, np.full(3, DEVIATION), 60, base=78.0)
     adjusted, plain, inside = [], [], []
@@ -180,7 +235,19 @@ def test_an_adjusted_length_estimates_the_plain_interval_and_scatters_as_it_says
         inside.append(scatter.low <= truth.length <= scatter.high)
         moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
         plain.append(indifference_interval(LEVELS, *moments, 60, base=78.0).length)
-    assert np.median(adjusted) == pytest.approx(truth.length, rel=0.05)
-    assert 0.90 <= np.mean(inside) <= 0.98
+    return truth.length, adjusted, plain, inside
+
+
+def test_an_adjusted_length_estimates_the_true_interval(many_lengths):
+    truth, adjusted, _, _ = many_lengths
+    assert np.median(adjusted) == pytest.approx(truth, rel=0.05)
+
+
+def test_an_adjusted_length_scatters_as_stated(many_lengths):
+    assert 0.90 <= np.mean(many_lengths[3]) <= 0.98
+
+
+def test_an_adjusted_length_scatters_less_than_the_plain_one(many_lengths):
+    _, adjusted, plain, _ = many_lengths
     spread = [np.diff(np.nanquantile(each, [0.16, 0.84]))[0] for each in (plain, adjusted)]
     assert (spread[0] / spread[1]) ** 2 > 3.0

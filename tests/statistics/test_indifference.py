@@ -1,3 +1,5 @@
+"""Indifference intervals of independent samples: where the t-test becomes critical."""
+
 import hypothesis.strategies as st
 import mpmath
 import numpy as np
@@ -49,7 +51,7 @@ def test_numbers_of_which_no_interval_can_be_computed_are_refused(change, refuse
         jc.indifference_interval(**USUAL | change)
 
 
-def test_the_largest_and_smallest_allowed_numbers_have_an_interval():
+def test_numbers_of_any_allowed_size_have_an_interval():
     """It grows with the levels, and does not depend on the unit of the means."""
     usual = jc.indifference_interval(**USUAL).length
     for size in (1e-90, 1e90):
@@ -65,37 +67,50 @@ def t_value(levels, means, deviations, n, at):
     return (mean.at(at) - mean.d) / np.sqrt(scatter)
 
 
-@given(
+any_moments = given(
     means=st.lists(st.floats(0.1, 10.0), min_size=3, max_size=3),
     deviations=st.lists(st.floats(0.01, 1.0), min_size=3, max_size=3),
     n=st.integers(2, 100),
 )
-def test_the_root_is_where_the_t_test_becomes_critical_and_none_is_closer(means, deviations, n):
+
+
+@any_moments
+def test_the_root_is_where_the_t_test_becomes_critical(means, deviations, n):
     found = jc.indifference_interval(LEVELS, means, deviations, n)
-    critical = scipy.stats.t.ppf(0.975, 2 * n - 2)
-    reach = found.length if np.isfinite(found.length) else 200.0
-    inside = np.linspace(78.0 - 0.999 * reach, 78.0 + 0.999 * reach, 401)
-    values = np.abs(t_value(LEVELS, means, deviations, n, inside))
-    assert np.all(values <= critical * (1 + 1e-6))
     if np.isfinite(found.length):
         at_root = abs(t_value(LEVELS, means, deviations, n, found.root))
-        assert at_root == pytest.approx(critical, rel=1e-6)
+        assert at_root == pytest.approx(scipy.stats.t.ppf(0.975, 2 * n - 2), rel=1e-6)
         assert found.extrapolated == (not 70.0 <= found.root <= 85.0)
 
 
-def test_no_variation_has_no_root_and_no_scatter_no_length():
-    assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [0.1] * 3, 20).length)
-    assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [0.0] * 3, 20).length)
+@any_moments
+def test_no_root_is_closer_than_the_length(means, deviations, n):
+    found = jc.indifference_interval(LEVELS, means, deviations, n)
+    reach = found.length if np.isfinite(found.length) else 200.0
+    inside = np.linspace(78.0 - 0.999 * reach, 78.0 + 0.999 * reach, 401)
+    values = np.abs(t_value(LEVELS, means, deviations, n, inside))
+    assert np.all(values <= scipy.stats.t.ppf(0.975, 2 * n - 2) * (1 + 1e-6))
+
+
+@pytest.mark.parametrize("deviation", [0.1, 0.0])
+def test_no_variation_has_no_root(deviation):
+    assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [deviation] * 3, 20).length)
+
+
+def test_no_scatter_has_no_length():
     assert jc.indifference_interval(LEVELS, [1.1, 1.0, 0.9], [0.0] * 3, 20).length == 0.0
 
 
-def test_a_scatter_that_outgrows_the_mean_has_no_root_but_none_at_the_base_a_length_of_0():
-    levels = np.array([-1.0, 0.0, 1.0])
-    found = jc.indifference_interval(levels, [0.1, 0.0, 0.1], [2.0, 1.0, 2.0], 20)
+def test_a_scatter_that_outgrows_the_mean_has_no_root():
+    found = jc.indifference_interval([-1.0, 0.0, 1.0], [0.1, 0.0, 0.1], [2.0, 1.0, 2.0], 20)
     assert np.isnan(found.length)
     assert not found.extrapolated
-    found = jc.indifference_interval(levels, [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
-    assert found.length == 0.0  # S ~ u^2 against x ~ u: the smallest change is significant
+
+
+def test_no_scatter_at_the_base_leaves_a_length_of_zero():
+    """S ~ u^2 against x ~ u: the smallest change is significant."""
+    found = jc.indifference_interval([-1.0, 0.0, 1.0], [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
+    assert found.length == 0.0
 
 
 def exact_length(levels, means, deviations, n, critical):
@@ -202,16 +217,22 @@ def test_a_response_of_rounding_alone_is_none(deviation):
     assert np.isnan(jc.indifference_interval(LEVELS, means, [deviation] * 3, 20).length)
 
 
-def test_more_than_three_levels_are_fitted_and_tested():
-    levels = np.array([4.0, 6.0, 8.0, 10.0, 12.0])
-    means = 0.01 * levels**2 + 0.1 * levels
-    found = jc.indifference_interval(levels, means, [0.05] * 5, 20)
-    quadratic = fit_quadratic(levels, means, 8.0)
+FIVE = np.array([4.0, 6.0, 8.0, 10.0, 12.0])
+QUADRATIC = 0.01 * FIVE**2 + 0.1 * FIVE
+
+
+def test_more_than_three_levels_are_fitted():
+    found = jc.indifference_interval(FIVE, QUADRATIC, [0.05] * 5, 20)
+    quadratic = fit_quadratic(FIVE, QUADRATIC, 8.0)
     assert quadratic.in_parameter() == pytest.approx((0.01, 0.1, 0.0), abs=1e-12)
     assert found.length < 1.0
-    assert lack_of_fit(levels, means, [0.05] * 5, 20, quadratic) == pytest.approx(1.0)
-    wavy = means + 0.1 * np.array([1, -1, 1, -1, 1])
-    assert lack_of_fit(levels, wavy, [0.05] * 5, 20, fit_quadratic(levels, wavy, 8.0)) < 1e-3
+
+
+def test_more_than_three_levels_show_a_lack_of_fit():
+    quadratic = fit_quadratic(FIVE, QUADRATIC, 8.0)
+    assert lack_of_fit(FIVE, QUADRATIC, [0.05] * 5, 20, quadratic) == pytest.approx(1.0)
+    wavy = QUADRATIC + 0.1 * np.array([1, -1, 1, -1, 1])
+    assert lack_of_fit(FIVE, wavy, [0.05] * 5, 20, fit_quadratic(FIVE, wavy, 8.0)) < 1e-3
 
 
 @pytest.mark.parametrize(
@@ -229,11 +250,17 @@ def test_bad_input_is_refused_by_name(change, named):
         jc.indifference_interval(**(good | {"samples": 20} | change))
 
 
-def test_an_interval_of_lengths_is_that_of_the_normal_distribution_and_counts_missing_roots():
-    lengths = scipy.stats.norm.ppf((np.arange(20_000) + 0.5) / 20_000, 5.0, 0.4)
-    found = interval_of_lengths(lengths, 0.95)
+NORMAL_LENGTHS = scipy.stats.norm.ppf((np.arange(20_000) + 0.5) / 20_000, 5.0, 0.4)
+
+
+def test_an_interval_of_normal_lengths_is_that_of_their_distribution():
+    found = interval_of_lengths(NORMAL_LENGTHS, 0.95)
     reach = 1.96 * 0.4
     assert found == pytest.approx((5.0 - reach, 5.0 + reach, 0.0, 0.4), rel=1e-3)
+
+
+def test_an_interval_of_lengths_counts_missing_roots():
+    lengths = NORMAL_LENGTHS.copy()
     lengths[-4000:] = np.nan
     found = interval_of_lengths(lengths, 0.95)
     assert (found.high, found.share_without_root, found.standard_error) == (np.inf, 0.2, np.inf)
@@ -315,26 +342,29 @@ def test_outermost_minima_give_the_root_that_isolation_of_all_roots_gives(decade
     np.testing.assert_array_equal(largest_real_roots(quartics[~certain]), expected[~certain])
 
 
-def test_a_root_is_flagged_outside_of_the_levels_and_where_the_fitted_deviation_is_negative():
-    """Of a line of slope 1 with a deviation that falls to 0 at u = 2 and below it beyond."""
-    levels = np.array([-1.0, 0.0, 1.0])
-    critical = scipy.stats.t.ppf(0.975, 38)
-    for slope, extrapolated in ((1.0, False), (0.2, True)):
-        means, flat = slope * levels, np.full(3, 1.0)
-        found = jc.indifference_interval(levels, means, flat, 20)
-        assert found.length == pytest.approx(critical * np.sqrt(2.0 / 20.0) / slope)
-        assert found.extrapolated == extrapolated
-        assert not found.negative_deviation
-    # to the other side the deviation falls as 1 - u/2: S(3) = -1/2
-    falling = 1.0 - 0.5 * levels
-    needed = critical * np.sqrt((1.0 + 0.25) / 20.0) / 3.0
-    for side in (1.0, -1.0):
-        means = np.where(levels * side > 0.0, needed * np.abs(levels), -needed * np.abs(levels))
-        found = jc.indifference_interval(levels, means, falling[:: int(side)], 20)
-        assert abs(found.root) <= 3.0 * (1.0 + 1e-9)
-        at_root = 1.0 - 0.5 * found.root * side
-        assert found.negative_deviation == (at_root < 0.0)
-        assert found.extrapolated == (abs(found.root) > 1.0)
+AROUND = np.array([-1.0, 0.0, 1.0])
+CRITICAL = scipy.stats.t.ppf(0.975, 38)
+
+
+@pytest.mark.parametrize(("slope", "extrapolated"), [(1.0, False), (0.2, True)])
+def test_a_root_is_flagged_outside_of_the_levels(slope, extrapolated):
+    found = jc.indifference_interval(AROUND, slope * AROUND, np.full(3, 1.0), 20)
+    assert found.length == pytest.approx(CRITICAL * np.sqrt(2.0 / 20.0) / slope)
+    assert found.extrapolated == extrapolated
+    assert not found.negative_deviation
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_root_is_flagged_where_the_fitted_deviation_is_negative(side):
+    """Of a line whose deviation falls to one side as 1 - u/2: S(3) = -1/2."""
+    falling = 1.0 - 0.5 * AROUND
+    needed = CRITICAL * np.sqrt((1.0 + 0.25) / 20.0) / 3.0
+    means = np.where(AROUND * side > 0.0, needed * np.abs(AROUND), -needed * np.abs(AROUND))
+    found = jc.indifference_interval(AROUND, means, falling[:: int(side)], 20)
+    assert abs(found.root) <= 3.0 * (1.0 + 1e-9)
+    at_root = 1.0 - 0.5 * found.root * side
+    assert found.negative_deviation == (at_root < 0.0)
+    assert found.extrapolated == (abs(found.root) > 1.0)
 
 
 @pytest.mark.parametrize("significance", [0.0, 1.0, -0.1, float("nan"), True])
@@ -344,7 +374,7 @@ def test_a_significance_lies_between_0_and_1(significance):
 
 
 @pytest.mark.parametrize("count", [3, 5, 8])
-def test_a_fit_is_the_least_squares_one_and_its_lack_of_fit_that_of_scipy(count):
+def test_a_fit_is_the_least_squares_one(count):
     random, base = generator(count), 2.0
     levels = np.append(base, random.uniform([0.5] * (count - 2) + [3.0], 4.0))
     levels.sort()
@@ -368,7 +398,7 @@ def test_lack_of_fit_is_the_f_test_of_the_misfit_against_the_scatter_of_the_samp
     assert lack_of_fit(levels, means, deviations, 3, fit) == pytest.approx(exact)
 
 
-def test_lack_of_fit_is_uniform_for_a_quadratic_and_unknown_without_scatter_or_freedom():
+def test_lack_of_fit_is_uniform_for_a_quadratic():
     random, levels = generator(21), np.linspace(-1.0, 1.0, 5)
     p = []
     for _ in range(2000):
@@ -376,7 +406,13 @@ def test_lack_of_fit_is_uniform_for_a_quadratic_and_unknown_without_scatter_or_f
         moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
         p.append(lack_of_fit(levels, *moments, 4, fit_quadratic(levels, moments[0], 0.0)))
     assert scipy.stats.kstest(p, "uniform").pvalue > 0.01
-    for known in (levels, levels[1:4]):
-        quadratic = fit_quadratic(known, known, 0.0)
-        deviations = np.full(known.size, float(known.size == 3))
-        assert np.isnan(lack_of_fit(known, known, deviations, 4, quadratic))
+
+
+@pytest.mark.parametrize(
+    ("levels", "deviation"),
+    [(np.linspace(-1.0, 1.0, 5), 0.0), (np.linspace(-0.5, 0.5, 3), 1.0)],
+    ids=["scatter", "freedom"],
+)
+def test_lack_of_fit_is_unknown_without_scatter_or_freedom(levels, deviation):
+    quadratic = fit_quadratic(levels, levels, 0.0)
+    assert np.isnan(lack_of_fit(levels, levels, np.full(levels.size, deviation), 4, quadratic))

@@ -1,3 +1,7 @@
+"""Published lengths among those of repeated studies."""
+
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -127,35 +131,54 @@ def test_a_table_with_an_entry_without_scatter_has_no_p():
     assert np.isfinite(likelihoods.of([0]).p())
 
 
-def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_draws():
+@pytest.fixture(scope="module")
+def common():
+    """Studies drawn of pools of the same surfaces at three levels, for two targets."""
     random = generator(2)
     first = random.normal(size=30)
     values = np.stack([first, 2.0 * first])
     one = Sensitivity(LEVELS, 0.0, tuple(Pool(values, "common") for _ in LEVELS))
-    drawn = draw_studies({"x": one}, Design(draws=20), 20000, random)["x"]
+    return draw_studies({"x": one}, Design(draws=20), 20000, random)["x"]
+
+
+def test_pools_of_the_same_surfaces_share_their_error(common):
     shared = (1 / 29) / (1 / 20 + 1 / 29)
-    between = np.corrcoef(drawn.means[:, 0].T)[np.triu_indices(3, 1)]
+    between = np.corrcoef(common.means[:, 0].T)[np.triu_indices(3, 1)]
     np.testing.assert_allclose(between, shared, atol=0.03)
-    np.testing.assert_allclose(drawn.means[:, 1], 2.0 * drawn.means[:, 0], rtol=1e-12)
-    np.testing.assert_allclose(drawn.lengths[:, 0], drawn.lengths[:, 1], rtol=1e-9)
 
 
-def test_p_of_a_dash_is_its_share_and_counts_it_as_longer_than_any_length():
-    lengths = np.concatenate([np.arange(1.0, 801.0), np.full(200, np.inf)])
-    assert two_sided_p(lengths, np.nan) == pytest.approx(0.2, abs=0.002)
-    assert two_sided_p(lengths, 500.5) == pytest.approx(1.0, abs=0.002)
-    assert two_sided_p(lengths, 10.5) == pytest.approx(0.02, abs=0.002)
-    assert two_sided_p(lengths, 1e9) == pytest.approx(0.4, abs=0.002)
-    assert two_sided_p(lengths, 0.5) > 0.0
-    assert share_as_short(lengths, 10.5) == pytest.approx(0.011, abs=0.001)
-    assert share_as_short(lengths, np.nan) == 1.0
-    found = length_distribution(lengths)
+def test_targets_of_a_case_share_its_draws(common):
+    np.testing.assert_allclose(common.means[:, 1], 2.0 * common.means[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(common.lengths[:, 0], common.lengths[:, 1], rtol=1e-9)
+
+
+WITH_DASHES = np.concatenate([np.arange(1.0, 801.0), np.full(200, np.inf)])
+
+
+def test_p_of_a_dash_is_its_share():
+    assert two_sided_p(WITH_DASHES, np.nan) == pytest.approx(0.2, abs=0.002)
+
+
+def test_p_of_a_length_counts_a_dash_as_longer():
+    assert two_sided_p(WITH_DASHES, 500.5) == pytest.approx(1.0, abs=0.002)
+    assert two_sided_p(WITH_DASHES, 10.5) == pytest.approx(0.02, abs=0.002)
+    assert two_sided_p(WITH_DASHES, 1e9) == pytest.approx(0.4, abs=0.002)
+    assert two_sided_p(WITH_DASHES, 0.5) > 0.0
+
+
+def test_the_share_of_shorter_lengths_counts_a_dash_as_longer():
+    assert share_as_short(WITH_DASHES, 10.5) == pytest.approx(0.011, abs=0.001)
+    assert share_as_short(WITH_DASHES, np.nan) == 1.0
+
+
+def test_ranges_of_lengths_with_dashes_have_no_upper_end():
+    found = length_distribution(WITH_DASHES)
     assert (found.median, found.share_without_root) == (500.0, 0.2)
     assert found.low_90 == pytest.approx(51.0, abs=1.0)
     assert found.high_90 == found.high_95 == np.inf
 
 
-def test_ranges_of_lengths_leave_out_a_twentieth_and_a_fortieth_at_either_end():
+def test_ranges_of_lengths_leave_out_a_twentieth_or_a_fortieth_at_either_end():
     lengths = generator(3).permutation(np.arange(1.0, 1001.0))
     found = length_distribution(lengths)
     assert found == pytest.approx((500.0, 50.0, 951.0, 25.0, 976.0, 0.0), abs=1.0)
@@ -221,29 +244,51 @@ def table(random, effects):
     return indifference_lengths(LEVELS, means, deviations, 20).ravel()
 
 
-def test_the_likelihood_of_log_normal_lengths_and_dashes_is_the_known_one():
+ROOTS = np.exp(np.linspace(1.0, 3.0, 9))
+
+
+@pytest.fixture(scope="module")
+def log_normal():
+    """Log-normal lengths, of which a quarter of the second entry is a dash."""
     random = generator(1)
     drawn = np.exp(random.normal(2.0, 0.5, (20000, 2)))
     drawn[random.random(20000) < 0.25, 1] = np.inf
-    at = np.exp(np.linspace(1.0, 3.0, 9))
-    tables = np.column_stack([at, np.full(9, np.inf)])
-    expected = scipy.stats.norm.logpdf(np.log(at), 2.0, 0.5) + np.log(0.25)
-    np.testing.assert_allclose(log_likelihoods(drawn, tables), expected, atol=0.08)
-    roots = scipy.stats.norm.logpdf(np.log(at), 2.0, 0.5) + np.log(0.75)
-    roots += scipy.stats.norm.logpdf(2.0, 2.0, 0.5)
-    tables[:, 1] = np.exp(2.0)
-    np.testing.assert_allclose(log_likelihoods(drawn, tables), roots, atol=0.1)
-    assert log_likelihoods(drawn, np.array([[1e9, 7.0]]))[0] < -10.0
+    return drawn
 
 
-def test_many_tables_have_the_likelihoods_of_each_alone_and_the_least_likely_is_ranked_by_them():
-    random = generator(2)
-    drawn, tables = np.exp(random.normal(size=(2, 2000, 3)))
+def test_the_likelihood_of_a_dash_beside_log_normal_lengths_is_the_known_one(log_normal):
+    tables = np.column_stack([ROOTS, np.full(9, np.inf)])
+    expected = scipy.stats.norm.logpdf(np.log(ROOTS), 2.0, 0.5) + np.log(0.25)
+    np.testing.assert_allclose(log_likelihoods(log_normal, tables), expected, atol=0.08)
+
+
+def test_the_likelihood_of_log_normal_lengths_is_the_known_one(log_normal):
+    tables = np.column_stack([ROOTS, np.full(9, np.exp(2.0))])
+    expected = scipy.stats.norm.logpdf(np.log(ROOTS), 2.0, 0.5) + np.log(0.75)
+    expected += scipy.stats.norm.logpdf(2.0, 2.0, 0.5)
+    np.testing.assert_allclose(log_likelihoods(log_normal, tables), expected, atol=0.1)
+
+
+def test_a_length_beyond_all_drawn_ones_is_unlikely(log_normal):
+    assert log_likelihoods(log_normal, np.array([[1e9, 7.0]]))[0] < -10.0
+
+
+@pytest.fixture(scope="module")
+def drawn_tables():
+    """Lengths of drawn studies, and tables of lengths of the same distribution."""
+    return np.exp(generator(2).normal(size=(2, 2000, 3)))
+
+
+def test_many_tables_have_the_likelihoods_of_each_alone(drawn_tables):
+    drawn, tables = drawn_tables
     many = log_likelihoods(drawn, tables)
     single = np.concatenate([log_likelihoods(drawn, row[None]) for row in tables[:40]])
     np.testing.assert_allclose(many[:40], single, atol=1e-2)
-    # a rank counts the published table itself, so that no p is 0
-    drawn = drawn[:200]
+
+
+def test_the_rank_of_a_table_counts_the_table_itself(drawn_tables):
+    """So that no p is 0."""
+    drawn = drawn_tables[0][:200]
     assert p_of_table(drawn, np.full(3, 1e9)) == 1.0 / 201.0
     assert p_of_table(drawn, np.ones(3)) > 0.9
 
@@ -256,20 +301,44 @@ def test_the_error_of_a_likelihood_is_its_scatter_over_sets_of_repetitions():
     assert 0.7 < stated / scatter < 1.4
 
 
-def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():
+class World(NamedTuple):
+    """Lengths of drawn studies with and without effects, p of own tables, and a median table."""
+
+    drawn: np.ndarray
+    none: np.ndarray
+    own: list
+    observed: np.ndarray
+
+
+@pytest.fixture(scope="module")
+def world():
     random = generator(4)
     effects = {"a": 0.3, "b": 0.4}
     sensitivities = pools(random, effects)
     drawn = table_of(draw_studies(sensitivities, Design(), 2000, random))
     none = table_of(draw_studies(without_effect(sensitivities), Design(), 2000, random))
     own = [joint_test(drawn, table(random, effects)).p for _ in range(12)]
-    assert 0.2 < np.mean(own) < 0.8
     observed = np.median([table(random, effects) for _ in range(9)], axis=0)
-    assert joint_test(none, observed).p < 0.01
-    assert joint_test(drawn, np.full(4, np.nan)).p < 0.001  # all dashes
-    unlikely = joint_test(drawn, 5.0 * observed)
+    return World(drawn, none, own, observed)
+
+
+def test_tables_of_the_same_world_are_likely(world):
+    assert 0.2 < np.mean(world.own) < 0.8
+
+
+def test_a_table_with_effects_is_unlikely_without_them(world):
+    assert joint_test(world.none, world.observed).p < 0.01
+
+
+def test_a_table_of_dashes_alone_is_unlikely(world):
+    assert joint_test(world.drawn, np.full(4, np.nan)).p < 0.001
+
+
+def test_a_table_of_another_world_is_unlikely(world):
+    unlikely = joint_test(world.drawn, 5.0 * world.observed)
     assert unlikely.p < 0.01
-    assert unlikely.log_likelihood < joint_test(drawn, observed).log_likelihood - 5.0
+    known = joint_test(world.drawn, world.observed)
+    assert unlikely.log_likelihood < known.log_likelihood - 5.0
 
 
 def test_pools_of_the_same_surfaces_are_resampled_together():

@@ -1,8 +1,8 @@
+"""Standard errors of statistics of closed joints, and the digits that they leave."""
+
 import numpy as np
 import pytest
 
-from jointclosure.inputs import InputError
-from jointclosure.statistics import verdicts
 from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
@@ -49,11 +49,20 @@ def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
     np.testing.assert_allclose(np.sqrt(np.mean(stated, axis=0)), np.std(fits, axis=0), rtol=0.1)
 
 
-@pytest.mark.parametrize("paired", [True, False])
-def test_elasticity_is_that_of_the_response_and_its_error_its_scatter(paired):
-    found = np.array([elasticity(LEVELS, s, 78.0, paired) for s in studies(2000, paired)])
-    assert found[:, 0].mean() == pytest.approx(-1.0, abs=0.02)
-    assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.05)
+@pytest.fixture(scope="module", params=[True, False], ids=["paired", "independent"])
+def elasticities(request):
+    """Elasticities of many studies, with their errors."""
+    paired = request.param
+    return np.array([elasticity(LEVELS, s, 78.0, paired) for s in studies(2000, paired)])
+
+
+def test_an_elasticity_is_that_of_the_response(elasticities):
+    assert elasticities[:, 0].mean() == pytest.approx(-1.0, abs=0.02)
+
+
+def test_the_error_of_an_elasticity_is_its_scatter(elasticities):
+    scatter = elasticities[:, 0].std()
+    assert np.sqrt(np.mean(elasticities[:, 1] ** 2)) == pytest.approx(scatter, rel=0.05)
 
 
 def ratio_to_surfaces(row):
@@ -73,9 +82,12 @@ def test_errors_of_single_numbers_are_their_scatter_over_studies(estimate, value
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.06)
 
 
-def test_pairs_that_lack_a_value_are_left_out_and_a_common_scatter_leaves_no_error():
+def test_a_scatter_in_common_leaves_a_ratio_no_error():
     under = np.array([1.0, 2.0, 4.0, 3.0])
     assert ratio_of_means(1.5 * under, under) == pytest.approx((1.5, 0.0))
+
+
+def test_pairs_that_lack_a_value_are_left_out():
     over, under = np.array([1.0, np.nan, 3.0]), np.array([2.0, 5.0, np.nan])
     ratio, error = ratio_of_means(over, under)
     assert ratio == 0.5
@@ -109,95 +121,30 @@ def test_a_number_ends_where_its_error_does(value, error, text):
     assert rounded(value, error) == text
 
 
-@pytest.mark.parametrize(
-    ("interval", "above", "alike", "expected"),
-    [
-        ((0.1, 0.2), 0.0, None, verdicts.STANDS),
-        ((0.1, float("inf")), 0.0, None, verdicts.STANDS),
-        ((-0.1, 0.2), 0.0, None, verdicts.UNDECIDED),
-        ((-0.2, -0.1), 0.0, None, verdicts.FALLS),
-        ((0.0, 0.0), 0.0, None, verdicts.FALLS),
-        ((float("nan"), 1.0), 0.0, None, verdicts.UNDECIDED),
-        ((float("nan"), -1.0), 0.0, None, verdicts.UNDECIDED),
-        ((0.11, 0.2), 0.1, 0.1, verdicts.STANDS),
-        ((0.05, 0.2), 0.1, 0.1, verdicts.UNDECIDED),
-        ((-0.03, -0.01), 0.1, 0.1, verdicts.NO_DIFFERENCE),
-        ((-0.1, 0.1), 0.1, 0.1, verdicts.NO_DIFFERENCE),
-        ((-0.2, -0.05), 0.1, 0.1, verdicts.UNDECIDED),
-        ((-0.2, -0.11), 0.1, 0.1, verdicts.FALLS),
-    ],
-)
-def test_a_claim_stands_above_falls_below_and_a_difference_within_the_tolerance_is_none(
-    interval, above, alike, expected
-):
-    assert verdicts.verdict(interval, above, alike) == expected
-
-
-@pytest.mark.parametrize(
-    ("given", "refused"),
-    [
-        ((0, 0), "n = 0"),
-        ((3, 2), "count = 3"),
-        ((-1, 2), "count = -1"),
-        ((1.5, 2), "count = 1.5"),
-        ((1, 2, np.nan), "pool_error = nan"),
-        ((1, 2, -0.1), "pool_error = -0.1"),
-    ],
-)
-def test_a_frequency_that_cannot_be_is_refused(given, refused):
-    with pytest.raises(InputError, match=refused):
-        verdicts.frequency(*given)
-
-
-@pytest.mark.parametrize("given", [(np.nan, None), (0.0, -1.0), (0.0, np.nan)])
-def test_a_verdict_by_limits_that_cannot_be_is_refused(given):
-    with pytest.raises(InputError, match="alike ="):
-        verdicts.verdict((0.0, 1.0), *given)
-
-
-def test_a_frequency_covers_its_truth():
-    random = generator(3)
-    inside = []
-    for _ in range(1000):
-        found = verdicts.frequency(int(random.binomial(200, 0.9)), 200)
-        inside.append(found.low <= 0.9 <= found.high)
-    assert 0.93 <= np.mean(inside) <= 0.97
-    assert verdicts.frequency(50, 50).low < 1.0
-
-
-def test_frequencies_are_shares_and_the_error_of_their_pool_widens_them():
-    for count in (0, 1, 25, 49, 50):
-        alone, with_pool = (verdicts.frequency(count, 50, error) for error in (0.0, 0.2))
-        assert 0.0 <= with_pool.low <= alone.low <= alone.share <= alone.high <= with_pool.high
-        assert with_pool.high <= 1.0
-        exact = np.sqrt(count / 50 * (1.0 - count / 50) / 50)
-        assert alone.standard_error == pytest.approx(exact)
-        assert with_pool.standard_error == pytest.approx(np.hypot(exact, 0.2))
-    assert with_pool.low == pytest.approx(1.0 - 2.0 * 0.2)
-    assert verdicts.frequency(0, 50, 0.2).high == pytest.approx(2.0 * 0.2)
-    with pytest.raises(ValueError, match="low <= high"):
-        verdicts.verdict((0.2, 0.1), 0.0)
-
-
 def test_a_jackknife_of_a_mean_has_its_standard_error():
     samples = generator(5).normal(size=12)
     left_out = [np.delete(samples, i).mean() for i in range(12)]
     assert jackknife_error(left_out) == pytest.approx(mean_of(samples).standard_error)
 
 
-def test_independent_draws_have_no_covariance_and_common_ones_have():
-    samples = generator(6).normal(size=20) * np.array([[1.0], [2.0]])
-    for covariance in (mean_covariance, deviation_covariance):
-        common, independent = (covariance(samples, paired) for paired in (True, False))
-        np.testing.assert_array_equal(np.diag(common), np.diag(independent))
-        scale = np.sqrt(np.prod(np.diag(common)))
-        assert common[0, 1] == pytest.approx(scale)  # one is a multiple of the other
-        assert independent[0, 1] == 0.0
-    assert np.sqrt(np.diag(mean_covariance(samples, False))) == pytest.approx(
-        [mean_of(row).standard_error for row in samples]
-    )
-    assert np.sqrt(np.diag(deviation_covariance(samples, False))) == pytest.approx(
-        [deviation_of(row).standard_error for row in samples]
+SAMPLES = generator(6).normal(size=20) * np.array([[1.0], [2.0]])
+
+
+@pytest.mark.parametrize("covariance", [mean_covariance, deviation_covariance])
+def test_only_draws_in_common_have_a_covariance(covariance):
+    common, independent = (covariance(SAMPLES, paired) for paired in (True, False))
+    np.testing.assert_array_equal(np.diag(common), np.diag(independent))
+    scale = np.sqrt(np.prod(np.diag(common)))
+    assert common[0, 1] == pytest.approx(scale)  # one is a multiple of the other
+    assert independent[0, 1] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("covariance", "estimate"), [(mean_covariance, mean_of), (deviation_covariance, deviation_of)]
+)
+def test_the_diagonal_of_a_covariance_has_the_squared_standard_errors(covariance, estimate):
+    assert np.sqrt(np.diag(covariance(SAMPLES, False))) == pytest.approx(
+        [estimate(row).standard_error for row in SAMPLES]
     )
 
 

@@ -1,4 +1,4 @@
-"""Intervals of means, and plans of joints at two levels of accuracy."""
+"""Means at two levels of accuracy: their intervals, and plans of joints for them."""
 
 import numpy as np
 import pytest
@@ -32,46 +32,116 @@ def test_an_interval_is_within_a_limit_outside_of_it_or_undecided(low, high, lim
     assert Interval(0.5 * (low + high), low, high).within(limit) is expected
 
 
-def test_the_interval_of_a_mean_is_that_of_student_and_one_sample_has_none():
-    samples = generator(1).normal(size=5)
-    found = t_interval(samples)
-    exact = scipy.stats.t.interval(0.95, 4, samples.mean(), scipy.stats.sem(samples))
+SAMPLES = generator(1).normal(size=5)
+
+
+def test_the_interval_of_a_mean_is_that_of_student():
+    found = t_interval(SAMPLES)
+    exact = scipy.stats.t.interval(0.95, 4, SAMPLES.mean(), scipy.stats.sem(SAMPLES))
     assert (found.low, found.high) == pytest.approx(exact)
-    assert t_interval(samples[:1]) == (samples[0], -np.inf, np.inf)
     assert t_interval(np.ones(3)) == (1.0, 1.0, 1.0)
 
 
-def test_one_difference_tells_no_error_and_differences_of_all_joints_are_a_plain_mean():
-    cheap, fine = generator(2).normal(size=(2, 9))
-    assert two_level_mean(cheap, fine[:1] - cheap[:1])[1:] == (-np.inf, np.inf)
-    found, plain = two_level_mean(cheap, fine - cheap), t_interval(fine)
+def test_one_sample_has_no_end_of_its_interval():
+    assert t_interval(SAMPLES[:1]) == (SAMPLES[0], -np.inf, np.inf)
+
+
+def test_an_interval_without_a_width_is_within_its_value():
+    assert t_interval(np.ones(3)).within(1.0)
+
+
+def test_two_level_means_cover_the_truth_as_often_as_they_say():
+    random = np.random.default_rng(1)
+    truth, covered, runs = 2.0, 0, 2000
+    for _ in range(runs):
+        cheap = random.normal(truth + 0.5, 1.0, 30)
+        # the difference goes with the closure in part
+        differences = random.normal(-0.5, 0.3, 8) + 0.3 * (cheap[:8] - truth - 0.5)
+        mean = two_level_mean(cheap, differences)
+        covered += mean.low <= truth <= mean.high
+    assert covered / runs == pytest.approx(0.95, abs=0.015)
+
+
+CHEAP, FINE = generator(2).normal(size=(2, 9))
+
+
+def test_one_difference_alone_has_no_error():
+    assert two_level_mean(CHEAP, FINE[:1] - CHEAP[:1])[1:] == (-np.inf, np.inf)
+
+
+def test_differences_of_all_joints_are_a_plain_mean():
+    found, plain = two_level_mean(CHEAP, FINE - CHEAP), t_interval(FINE)
     assert found.value == pytest.approx(plain.value)
     assert found.high == pytest.approx(plain.high)
-    # joints without a difference add their own error
-    some = combined(0.0, [(cheap / 9.0, np.zeros(4))])
-    squares = 4 * np.var(cheap[:4] / 9.0, ddof=1), 5 * np.var(cheap / 9.0, ddof=1)
+
+
+def test_joints_without_a_difference_add_their_own_error():
+    some = combined(0.0, [(CHEAP / 9.0, np.zeros(4))])
+    squares = 4 * np.var(CHEAP[:4] / 9.0, ddof=1), 5 * np.var(CHEAP / 9.0, ddof=1)
     freedom = sum(squares) ** 2 / (squares[0] ** 2 / 3 + squares[1] ** 2 / 8)
     assert some.high == pytest.approx(scipy.stats.t.ppf(0.975, freedom) * np.sqrt(sum(squares)))
-    # groups of joints are independent: their squared errors add
-    one = combined(0.0, [(cheap / 9.0, 0.0 * cheap)])
-    both = combined(0.0, [(cheap / 9.0, 0.0 * cheap)] * 2)
+
+
+def test_squared_errors_of_independent_groups_of_joints_add():
+    one = combined(0.0, [(CHEAP / 9.0, 0.0 * CHEAP)])
+    both = combined(0.0, [(CHEAP / 9.0, 0.0 * CHEAP)] * 2)
     wide, freedom = both.high / scipy.stats.t.ppf(0.975, 16), 8
     assert wide == pytest.approx(np.sqrt(2.0) * one.high / scipy.stats.t.ppf(0.975, freedom))
 
 
-@pytest.mark.parametrize("deviations", [(0.2, 0.05), (0.2, 1e-4), (0.05, 0.2), (0.2, 0.0)])
-def test_a_plan_keeps_its_budget_or_its_width_and_has_differences_enough_for_their_scatter(
-    deviations,
-):
-    seconds = 1.0, 11.0
-    plan = best_plan(deviations, seconds, 0.05)
+DEVIATIONS, SECONDS = (0.2, 0.05), (1.0, 11.0)
+"""Standard deviations of both levels, and what one joint of each takes."""
+
+
+def test_a_plan_reaches_its_half_width():
+    plan = best_plan(DEVIATIONS, SECONDS, 0.05)
+    random = np.random.default_rng(2)
+    samples = (random.normal(0.0, d, (4000, n)) for d, n in zip(DEVIATIONS, plan[:2], strict=True))
+    means = sum(sample.mean(axis=1) for sample in samples)
+    assert np.quantile(np.abs(means), 0.95) == pytest.approx(plan.half_width, rel=0.12)
     assert plan.half_width <= 0.05
-    assert FEWEST == 8 <= plan.differences <= plan.joints
+
+
+def test_a_smaller_budget_buys_a_wider_interval():
+    plan = best_plan(DEVIATIONS, SECONDS, 0.05)
+    assert best_plan(DEVIATIONS, SECONDS, 1.0, 0.7 * plan.seconds).half_width > 0.05
+
+
+def test_a_budget_below_the_fewest_joints_has_no_plan():
+    assert best_plan(DEVIATIONS, SECONDS, 1.0, 50.0) is None
+
+
+@pytest.mark.parametrize("share", [0.9, 0.7])
+def test_no_cheaper_mix_of_both_levels_reaches_the_half_width(share):
+    plan = best_plan(DEVIATIONS, SECONDS, 0.05)
+    assert best_plan(DEVIATIONS, SECONDS, 0.05, share * plan.seconds).half_width > 0.05
+
+
+SCATTERS = pytest.mark.parametrize(
+    "deviations", [(0.2, 0.05), (0.2, 1e-4), (0.05, 0.2), (0.2, 0.0)]
+)
+
+
+@SCATTERS
+def test_a_plan_keeps_its_width(deviations):
+    plan = best_plan(deviations, SECONDS, 0.05)
+    assert plan.half_width <= 0.05
     assert plan.seconds == plan.joints * 1.0 + plan.differences * 11.0
+
+
+@SCATTERS
+def test_a_plan_has_differences_enough_for_their_scatter(deviations):
+    plan = best_plan(deviations, SECONDS, 0.05)
+    assert FEWEST == 8 <= plan.differences <= plan.joints
+
+
+@SCATTERS
+def test_a_plan_keeps_its_budget(deviations):
+    plan = best_plan(deviations, SECONDS, 0.05)
     for budget in (0.7 * plan.seconds, plan.seconds, 3.0 * plan.seconds):
-        bought = best_plan(deviations, seconds, 1e-9, budget)
+        bought = best_plan(deviations, SECONDS, 1e-9, budget)
         if bought is None:
-            assert budget < FEWEST * sum(seconds)
+            assert budget < FEWEST * sum(SECONDS)
             continue
         assert bought.seconds <= budget
         assert bought.differences >= FEWEST

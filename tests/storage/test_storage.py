@@ -1,4 +1,4 @@
-"""Files are whole or absent, one changed bit is an error, and logs keep what failed."""
+"""What is written to files is there as a whole, or is said to be missing or damaged."""
 
 import gc
 import os
@@ -15,7 +15,7 @@ import xarray as xr
 from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
 from jointclosure.plotting.style import subplots
-from jointclosure.storage import files
+from jointclosure.storage import files, folders
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from tests.processes import python
@@ -44,7 +44,7 @@ def write_regions(whole: xr.Dataset, path: Path, rows: int = 20) -> None:
     write_netcdf(first, path, regions, "realization", {"realization": rows})
 
 
-def test_files_are_read_and_written_where_a_file_system_refuses_locks(tmp_path):
+def test_files_are_usable_where_a_file_system_refuses_locks(tmp_path):
     """A file that is locked refuses another lock, as such a file system refuses every one."""
     pytest.importorskip("fcntl")
     code = f"""
@@ -79,28 +79,35 @@ def stored(tmp_path):
     return path
 
 
-def test_datasets_tables_and_regions_come_back_as_they_were(stored, tmp_path):
-    whole = some_dataset()
-    write_regions(whole, tmp_path / "regions.nc", 7)
-    for path in (stored, tmp_path / "regions.nc"):
-        xr.testing.assert_identical(read_netcdf(path), whole)
-        with xr.open_dataset(path, engine="netcdf4") as dataset:  # as other programs read it
-            assert dataset.load().identical(whole)
+@pytest.fixture
+def by_regions(tmp_path):
+    path = tmp_path / "regions.nc"
+    write_regions(some_dataset(), path, 7)
+    return path
+
+
+@pytest.mark.parametrize("written", ["stored", "by_regions"])
+def test_datasets_come_back_as_they_were(written, request):
+    path, whole = request.getfixturevalue(written), some_dataset()
+    xr.testing.assert_identical(read_netcdf(path), whole)
+    with xr.open_dataset(path, engine="netcdf4") as dataset:  # as other programs read it
+        assert dataset.load().identical(whole)
+
+
+def test_a_dataset_is_read_in_part(stored):
     with reading_netcdf(stored) as lazy:
         assert lazy.isel(realization=3).status.item() == 3
+
+
+def test_tables_come_back_as_they_were(tmp_path):
     frame = pd.DataFrame({"x": [0.1 + 0.2, np.nan], "name": ["a", "b"]})
     files.write_csv(frame, tmp_path / "a.csv")
     pd.testing.assert_frame_equal(files.read_csv(tmp_path / "a.csv"), frame)
 
 
-def test_every_flipped_bit_and_every_changed_length_is_noticed(stored):
+def assert_noticed(stored, damaged):
+    """Each of the damaged contents of a file is noticed, and the whole one is read after them."""
     whole = stored.read_bytes()
-    size = len(whole)
-    places = np.append(np.random.default_rng(5).integers(0, size, 300), np.arange(size - 110, size))
-    damaged = [whole[:length] for length in (0, 1, 7, 96, size // 2, size - 96, size - 1)]
-    damaged.append(whole + b"\0")
-    for place in places.tolist():
-        damaged.append(whole[:place] + bytes([whole[place] ^ 1 << place % 8]) + whole[place + 1 :])
     for content in damaged:
         stored.write_bytes(content)
         with pytest.raises(files.DamagedFileError, match=r"case.nc: .* delete it and start again"):
@@ -109,9 +116,33 @@ def test_every_flipped_bit_and_every_changed_length_is_noticed(stored):
     assert read_netcdf(stored).identical(some_dataset())
 
 
-def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
-    write_regions(some_dataset(200), tmp_path / "whole.nc")
-    size = os.path.getsize(tmp_path / "whole.nc")
+def test_every_flipped_bit_is_noticed(stored):
+    whole = stored.read_bytes()
+    size = len(whole)
+    places = np.append(np.random.default_rng(5).integers(0, size, 300), np.arange(size - 110, size))
+    assert_noticed(
+        stored,
+        [
+            whole[:place] + bytes([whole[place] ^ 1 << place % 8]) + whole[place + 1 :]
+            for place in places.tolist()
+        ],
+    )
+
+
+def test_every_changed_length_is_noticed(stored):
+    whole = stored.read_bytes()
+    size = len(whole)
+    lengths = (0, 1, 7, 96, size // 2, size - 96, size - 1)
+    assert_noticed(stored, [*(whole[:length] for length in lengths), whole + b"\0"])
+
+
+@pytest.fixture(scope="module")
+def full_disk(tmp_path_factory):
+    """A folder of files that were written up to limits, the whole size, and what was printed."""
+    folder = tmp_path_factory.mktemp("small")
+    whole = tmp_path_factory.mktemp("whole") / "whole.nc"
+    write_regions(some_dataset(200), whole)
+    size = os.path.getsize(whole)
     script = (
         "import sys, pathlib, resource\n"
         "from tests.storage.test_storage import some_dataset, write_regions\n"
@@ -124,21 +155,30 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
         "        print(limit, error)\n"
     )
     limits = [size * i // 40 for i in range(42)] + [size - 1, size]
-    (folder := tmp_path / "small").mkdir()
     lines = python("-c", script, folder, *limits).stdout.splitlines()
     printed = dict(line.split(" ", 1) for line in lines if line[0].isdigit())
     assert len(printed) > 40
+    return folder, size, printed
+
+
+def test_a_disk_that_fills_up_leaves_a_whole_file_or_none(full_disk):
+    folder, size, printed = full_disk
     whole = {f"{limit}.nc" for limit in printed if int(limit) >= size}
     assert {*os.listdir(folder)} == whole != set()
+    for name in whole:
+        assert read_netcdf(folder / name).identical(some_dataset(200))
+
+
+def test_a_disk_that_fills_up_is_reported(full_disk):
+    _, size, printed = full_disk
     for limit, words in printed.items():
         if int(limit) < size:
             assert re.search("could not be written .* MB are free there", words)
         else:
             assert words == "written"
-            assert read_netcdf(folder / f"{limit}.nc").identical(some_dataset(200))
 
 
-@pytest.mark.parametrize(
+FAILURES = pytest.mark.parametrize(
     ("error", "raised"),
     [
         (RuntimeError("broken"), "^broken$"),
@@ -147,17 +187,30 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
         (OSError(28, "No space"), r"a.txt: could not be written \(.*\); .* MB are free there"),
     ],
 )
-def test_a_write_that_fails_leaves_what_was_there_and_its_reason(error, raised, tmp_path):
-    path = tmp_path / "a.txt"
+
+
+def write_in_vain(path, error):
+    """Write half of a file over an old one until an error occurs."""
     path.write_text("old")
 
     def fail(temporary):
         temporary.write_text("half")
         raise error
 
+    files.atomically(path, fail)
+
+
+@FAILURES
+def test_a_write_that_fails_gives_its_reason(error, raised, tmp_path):
     with pytest.raises(type(error) if "^" in raised else OSError, match=raised):
-        files.atomically(path, fail)
-    assert path.read_text() == "old"
+        write_in_vain(tmp_path / "a.txt", error)
+
+
+@FAILURES
+def test_a_write_that_fails_leaves_what_was_there(error, raised, tmp_path):
+    with pytest.raises((type(error), OSError), match=raised):
+        write_in_vain(tmp_path / "a.txt", error)
+    assert (tmp_path / "a.txt").read_text() == "old"
     assert os.listdir(tmp_path) == ["a.txt"]
 
 
@@ -200,32 +253,41 @@ def some_files(*names):
     return {name: f"{name} of {len(names)}" for name in names}
 
 
-def test_files_of_an_earlier_run_go_and_all_others_stay(tmp_path):
+@pytest.fixture
+def folder(tmp_path):
+    """A folder of files of two commands, of a page that was added, and of what a user put there."""
     folder = tmp_path / "joint"
-    files.replace_files(folder, "close", some_files("b", "a", "export"))
-    assert files.check_record(folder) == {"close": ["a", "b", "export"]}
-    files.replace_files(folder, "fit", some_files("fit"))
-    files.add_file(folder, "close", "page")
+    folders.replace_files(folder, "close", some_files("b", "a", "export"))
+    assert folders.check_record(folder) == {"close": ["a", "b", "export"]}
+    folders.replace_files(folder, "fit", some_files("fit"))
+    folders.add_file(folder, "close", "page")
     (folder / "page").touch()
     (folder / "notes").write_text("mine")
+    return folder
+
+
+def test_files_stay_where_those_in_their_place_cannot_be_written(folder):
     with pytest.raises(TypeError, match="not JSON serializable"):
-        files.replace_files(folder, "close", {"a": "half", "b": object()})
+        folders.replace_files(folder, "close", {"a": "half", "b": object()})
     assert (folder / "a").read_text() == "a of 3"
-    files.replace_files(folder, "close", some_files("a", "b"))
-    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", files.RECORD]
+
+
+def test_only_files_of_an_earlier_run_of_a_command_go(folder):
+    folders.replace_files(folder, "close", some_files("a", "b"))
+    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", folders.RECORD]
     assert (folder / "a").read_text() == "a of 2"
-    assert files.check_record(folder)["close"] == ["a", "b"]
+    assert folders.check_record(folder)["close"] == ["a", "b"]
 
 
 @pytest.mark.parametrize("text", ['{"close": ["../outside"]}', "[1]", '{"close": [3]}', "no"])
-def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_path, text):
+def test_a_record_that_is_none_is_refused_before_anything_is_removed(tmp_path, text):
     (tmp_path / "outside").write_text("mine")
     folder = tmp_path / "joint"
     folder.mkdir()
-    (folder / files.RECORD).write_text(text)
-    for refused in (lambda: files.replace_files(folder, "close", some_files("a")),
+    (folder / folders.RECORD).write_text(text)
+    for refused in (lambda: folders.replace_files(folder, "close", some_files("a")),
                     lambda: writable((), folder)):  # fmt: skip
-        with pytest.raises(InputError, match=f"{files.RECORD}: must be a JSON object"):
+        with pytest.raises(InputError, match=f"{folders.RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()
 
@@ -233,9 +295,9 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
 def test_all_formats_of_a_figure_have_one_layout(tmp_path):
     figure, axes = subplots(1, 1, figsize=(3.0, 2.0))
     axes.set_ylabel("closure (mm)")
-    files.write(figure, tmp_path / "figure.png")
+    folders.write(figure, tmp_path / "figure.png")
     places = axes.get_position().bounds
-    files.write(figure, tmp_path / "figure.pdf")
+    folders.write(figure, tmp_path / "figure.pdf")
     assert axes.get_position().bounds == places
     assert places[0] > 0.1  # the label has room
 
@@ -251,7 +313,7 @@ def test_what_a_script_imported_is_looked_through_by_no_collection(tmp_path):
         gc.unfreeze()
 
 
-def test_a_script_that_fails_logs_its_traceback_and_prints_none(tmp_path):
+def test_a_script_that_fails_logs_its_traceback(tmp_path):
     log = tmp_path / "logs/script.log"
     with pytest.raises(SystemExit) as ended, logging_to(log):
         raise InputError("heights.txt: is empty")
@@ -259,5 +321,9 @@ def test_a_script_that_fails_logs_its_traceback_and_prints_none(tmp_path):
     text = log.read_text()
     assert "Traceback" in text
     assert text.endswith("failed: InputError: heights.txt: is empty\n")
+
+
+def test_an_error_that_is_logged_is_raised_where_that_is_asked_for(tmp_path):
+    log = tmp_path / "logs/script.log"
     with pytest.raises(InputError, match="is empty"), logging_to(log, raised=True):
         raise InputError("heights.txt: is empty")

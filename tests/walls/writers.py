@@ -1,4 +1,7 @@
-"""A wall written in every form that is read: `FORMS`."""
+"""Functions that write a wall in every form of file that can be read: `FORMS`.
+
+They return the arguments of `read_scan` that the file does not contain.
+"""
 
 import struct
 from pathlib import Path
@@ -13,17 +16,17 @@ from jointclosure.walls.scans import read_scan
 
 
 class Ground:
-    """A wall (y, x) [mm] on a grid, and the place (y, x) [mm] of its first cell."""
+    """Wall (y, x) [mm] on a grid of ``step`` [mm], with the place (y, x) [mm] of its first cell."""
 
     def __init__(self, heights: np.ndarray, step: float = 0.25, corner=(0.0, 0.0)):
         self.heights, self.step, self.corner = heights, step, corner
 
     def points(self) -> np.ndarray:
-        """Points (n, 3) [mm], row by row."""
+        """Return the points (n, 3) [mm], row by row."""
         return np.stack([part.ravel() for part in (*self.places(), self.heights)], axis=1)
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Matrices (y, x) of x and y [mm]."""
+        """Return the matrices (y, x) of x and y [mm]."""
         y, x = np.indices(self.heights.shape) * self.step
         return x + self.corner[1], y + self.corner[0]
 
@@ -34,7 +37,7 @@ def as_npz(path, ground):
 
 
 def as_netcdf(path, ground):
-    """Rows from the largest y down, transposed, heights and places in different units."""
+    """Write from the largest y down, transposed, with heights and places in different units."""
     places = {
         axis: (axis, 1e-3 * (corner + ground.step * np.arange(size)), {"units": "m"})
         for axis, size, corner in zip("yx", ground.heights.shape, ground.corner, strict=True)
@@ -58,7 +61,7 @@ def as_shuffled_text(path, ground):
 
 
 def as_matrix(path, ground):
-    """Heights alone: what they are is stated beside the file."""
+    """Write heights alone: units and spacing are stated beside the file."""
     if path.suffix == ".npy":
         np.save(path, ground.heights)
     elif path.suffix == ".tif":
@@ -69,7 +72,7 @@ def as_matrix(path, ground):
 
 
 def as_gwyddion(path, ground):
-    """A text matrix with a header as Gwyddion writes it, read by SurfaceTopography."""
+    """Write a text matrix with Gwyddion's header, which SurfaceTopography reads."""
     pytest.importorskip("SurfaceTopography")
     height, width = (size * ground.step for size in ground.heights.shape)
     head = f"Channel: Height\nWidth: {width} mm\nHeight: {height} mm\nValue units: mm"
@@ -84,7 +87,7 @@ def as_matlab(path, ground):
 
 
 def surfer_7(heights, step, corner=(0.0, 0.0), blank=1e30):
-    """Content of a Surfer grid of version 7."""
+    """Return the bytes of a Surfer grid of version 7."""
     (ny, nx), (y, x) = heights.shape, corner
     grid = struct.pack("<2i8d", ny, nx, x, y, step, step, 0.0, 0.0, 0.0, blank)
     sections = {b"DSRB": struct.pack("<i", 2), b"FLTI": bytes(5), b"GRID": grid}
@@ -114,7 +117,7 @@ def as_three_files(path, ground):
 
 
 def triangles(shape):
-    """Corners of the triangles (n, 3) between the points of a grid."""
+    """Return the corners (n, 3) of the triangles between the points of a grid."""
     ny, nx = shape
     corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
     first, second = [corner, corner + 1, corner + nx], [corner + 1, corner + nx + 1, corner + nx]
@@ -122,7 +125,7 @@ def triangles(shape):
 
 
 def write_mesh(path, points, faces):
-    """Write a mesh in the form of a suffix; a file named ``text`` is ASCII."""
+    """Write a mesh in the form of the file's suffix; ``text.ply`` is ASCII."""
     trimesh = pytest.importorskip("trimesh")
     text = {"encoding": "ascii"} if path.name == "text.ply" else {}
     mesh = trimesh.Trimesh(points, faces, process=False)
@@ -136,7 +139,7 @@ def as_mesh(path, ground):
 
 
 def as_esri(path, ground, rows=None, **head):
-    """An ESRI grid: rows from the largest y downwards, the place of the first cell's corner."""
+    """Write an ESRI grid: rows from the largest y down, and the corner of the first cell."""
     (ny, nx), (y, x) = ground.heights.shape, ground.corner
     words = {"ncols": nx, "nrows": ny, "xllcorner": x, "yllcorner": y, "cellsize": ground.step}
     words |= {"NODATA_value": -9999} | head
@@ -147,7 +150,7 @@ def as_esri(path, ground, rows=None, **head):
 
 
 def as_geotiff(path, ground, placed=2):
-    """A GeoTIFF in metres, whose first row has the largest y, placed by a middle (2) or corner."""
+    """Write a GeoTIFF [m] with the largest y first, placed by cells' middles (2) or corners (1)."""
     keys = (1, 1, 0, 3, 1025, 0, 1, placed, 3076, 0, 1, 9001, 4099, 0, 1, 9001)
     step, y, x = (1e-3 * part for part in (ground.step, *ground.corner))
     top = y + step * (len(ground.heights) - 1)
@@ -174,7 +177,7 @@ FORMS = {
 
 
 def files_in(form: str, folder: Path) -> list[Path]:
-    """Return the file of a form, or its three."""
+    """Return the file of a form, or its three files."""
     return [folder / part for part in form.split(",")]
 
 

@@ -1,4 +1,4 @@
-"""Finished studies of seconds: each is made once, for all workers of a run of the tests."""
+"""Finished small studies, each made once for all workers of a run of the tests."""
 
 import fcntl
 import os
@@ -13,7 +13,7 @@ from tests.workflow.runs import STAMP, answer, checkout, pretend
 
 @pytest.fixture(scope="session")
 def made_once(tmp_path_factory):
-    """Make a folder, or wait until another worker has made it."""
+    """Function that makes a folder, or waits until another worker has made it."""
     base = tmp_path_factory.getbasetemp()
     shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
@@ -41,7 +41,7 @@ def made_by_make(config: str) -> Callable[[Path], None]:
 
 @pytest.fixture(scope="session")
 def study(made_once):
-    """The tiny study, finished by `make`; what that printed is in printed.txt."""
+    """The tiny study, finished by `make`, whose output is in printed.txt."""
     return made_once("tiny", made_by_make("tiny.yaml"))
 
 
@@ -53,7 +53,7 @@ def smallest(made_once):
 
 @pytest.fixture(scope="session")
 def pretended(made_once):
-    """The tiny study as finished, with empty files."""
+    """The tiny study with empty files, which Snakemake takes as finished."""
     return made_once("pretended", pretend)
 
 

@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import psutil
 import yaml
 
 ROOT = Path(__file__).parents[2]
@@ -20,7 +19,7 @@ NEEDED = ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lo
 
 
 def checkout(folder: Path) -> Path:
-    """What a run needs of the project with the environment of these tests, in a folder."""
+    """Put into a folder what a run needs: files of the project, and the tests' environment."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("Snakefile", "Makefile"):
         shutil.copy(ROOT / name, folder)
@@ -34,7 +33,7 @@ def checkout(folder: Path) -> Path:
 
 
 def add_code(folder: Path) -> dict[str, str]:
-    """Copy the code of the project to a folder, to be edited there; variables that have it used."""
+    """Copy the code to a folder, so that it can be edited; return variables by which it is used."""
     (folder / "studies").unlink()
     without = shutil.ignore_patterns("__pycache__", "compiled")
     for name in ("studies", "src"):
@@ -63,14 +62,21 @@ def run_snakemake(
 
 
 def snakemake(folder: Path, *words: str, **settings) -> str:
-    """Run the project's Snakefile, which must succeed; what it prints."""
+    """Run the project's Snakefile, which must succeed, and return what it prints."""
     done = run_snakemake(folder, *words, **settings)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 
+def edit(folder, module: str, statement: str = "EDITED = True") -> None:
+    """Append a statement to a module of a folder with code of its own."""
+    assert (folder / module).is_file()
+    with (folder / module).open("a") as file:
+        file.write(f"\n{statement}\n")
+
+
 def jobs_in(listing: str) -> dict[str, int]:
-    """Jobs by rule in what a dry run prints, without `all`."""
+    """Return the number of jobs by rule in what a dry run prints, without `all`."""
     if "Nothing to be done" in listing:
         return {}
     table = re.search(r"job\s+count\n[-\s]+\n(.*?)\n\n", listing, re.S)
@@ -80,14 +86,14 @@ def jobs_in(listing: str) -> dict[str, int]:
 
 
 def planned(folder: Path, *words: str, **settings) -> dict[str, int]:
-    """Jobs that a dry run would do, by rule."""
+    """Return the number of jobs that a dry run plans, by rule."""
     return jobs_in(snakemake(folder, "--dry-run", *words, **settings))
 
 
 def pretend(folder: Path, *words: str, **settings) -> None:
-    """Have Snakemake take a study as finished: its files are there, and empty but for a heading.
+    """Make the files of a study empty, and have Snakemake take it as finished.
 
-    What Snakemake plans depends on names, times, inputs, scripts and params, and on no content.
+    Plans of Snakemake depend on names, times, inputs, scripts and params, but not on contents.
     """
     for line in snakemake(folder, "--summary", *words, **settings).splitlines():
         if line.startswith("results/"):
@@ -99,7 +105,7 @@ def pretend(folder: Path, *words: str, **settings) -> None:
 
 
 def changed(folder: Path, name: str, *places_and_values: tuple[str, object]) -> str:
-    """Write tiny.yaml with other values at places ("surface.hurst") to a file; its name."""
+    """Write tiny.yaml with other values at places (such as surface.hurst); return its name."""
     keys = yaml.safe_load((folder / "tiny.yaml").read_text())
     for place, value in places_and_values:
         *sections, key = place.split(".")
@@ -112,7 +118,7 @@ def changed(folder: Path, name: str, *places_and_values: tuple[str, object]) -> 
 
 
 def state_of(folder: Path) -> dict[str, tuple[int, str]]:
-    """Times and digests of all files in the results of a folder."""
+    """Return times and digests of all files in the results of a folder."""
     return {
         path.relative_to(folder).as_posix(): (
             path.stat().st_mtime_ns,
@@ -123,24 +129,12 @@ def state_of(folder: Path) -> dict[str, tuple[int, str]]:
     }
 
 
-def processes_in(folder: Path) -> list[psutil.Process]:
-    """Processes that work in a folder."""
-    found = []
-    for process in psutil.process_iter():
-        try:
-            if Path(process.cwd()) == folder and process.status() != psutil.STATUS_ZOMBIE:
-                found.append(process)
-        except psutil.Error:
-            continue
-    return found
-
-
 def studies_command(*words) -> subprocess.CompletedProcess:
     return answer([sys.executable, "-m", "studies", *words], ROOT)
 
 
 def assert_same(folder: Path, other: Path, *folders: str) -> None:
-    """Two studies have the same datasets, and byte by byte the same files in folders."""
+    """Assert that two studies have the same datasets, and the same bytes in files of folders."""
     found = studies_command("compare", "--exact", folder, other)
     assert found.returncode == 0, found.stdout + found.stderr
     assert found.stdout == "identical except for provenance and timing\n"

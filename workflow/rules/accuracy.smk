@@ -1,7 +1,7 @@
 # A requested accuracy (study.accuracy): surfaces are added, round by round, until it is reached.
 #
-# Each round closes the joints that the plan of the round asks for; the plan of the next round is
-# made of them. The study is then that of the last round.
+# Each round simulates the joints of its plan, and from these the plan of the next round is made.
+# The study has the joints of the last round.
 
 
 if STUDY.study.accuracy is not None:

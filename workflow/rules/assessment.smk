@@ -1,5 +1,5 @@
-# The assessment of a study in its report: its numerics and effects on a few joints of its base
-# cases (`assessment: null` switches it off), and its joints by hardness.
+# The assessment of a study in its report: numerics and effects, compared on a few joints of base
+# cases (`assessment: null` switches this off), and the ranking of the joints by hardness.
 
 
 if PLAN is not None:

@@ -1,4 +1,4 @@
-# Closure of the joints of every case over its load cycles, and one dataset of all cases.
+# Simulation of the joints of every case over its load cycles, and one dataset of all cases.
 
 
 rule compile_kernels:

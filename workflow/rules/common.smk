@@ -14,6 +14,7 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.assessment.selection import MOST_PAIRS, possible_scenes
 from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
+from jointclosure.storage.files import digest
 from jointclosure.walls.scans import file_digest, files_of
 from studies.assessment.plan import READ as ASSESSED_QUANTITIES
 from studies.assessment.plan import planned as planned_assessment
@@ -32,7 +33,7 @@ from studies.frame.datasets import joints_key
 from studies.frame.pilots import examined, tried
 from studies.frame.points import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
-from studies.frame.settings import BASE, digest, joints_of, surface_settings
+from studies.frame.settings import BASE, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain
 from studies.paper.measured import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
@@ -61,7 +62,7 @@ SYNTHETIC = [name for name, rock in STUDY.rocks.items() if not rock.walls]
 SCANNED = [name for name, rock in STUDY.rocks.items() if rock.walls]
 
 # Ensembles of joints, and the names of their datasets
-#   cases:  every case of the study, on its surfaces
+#   cases:  every case of the study
 #   pool:   every case on further surfaces, which all cases of a rock share
 #   finest: some joints of the cases again, by the finest numerics (study.accuracy)
 ENSEMBLES = ensembles_of(STUDY)
@@ -134,26 +135,27 @@ wildcard_constraints:
 
 
 def code(script, *functions, titles=True):
-    """Digest of a script, and of functions (module:function), with all that they import.
+    """Return the digest of a script, and of functions (module:function), with all that they import.
 
-    Without ``titles`` those of quantities do not count: no joint is closed again for a word.
+    Without ``titles`` it does not depend on the titles of quantities, so that no joint is simulated
+    again when one of these texts changes.
     """
     return code_digest(f"workflow/scripts/{script}", *functions, titles=titles)
 
 
 def case_of(wildcards):
-    """Case of a rock and a change of it, in an ensemble."""
+    """Return the case of an ensemble by its rock and its change."""
     return CASES[wildcards.ensemble][f"{wildcards.rock}-{wildcards.change}"]
 
 
 def point_of(wildcards):
-    """Settings of the joints of a case, for a block of its realisations."""
+    """Return the point of a case, for a block of its realisations."""
     block = range(int(wildcards.first), int(wildcards.last) + 1)
     return case_point(ENSEMBLES[wildcards.ensemble], case_of(wildcards), block)
 
 
 def keys_of(ensemble):
-    """Digests of all that the joints of each case depend on, by case."""
+    """Return the digest of all that the joints of a case depend on, for each case by its label."""
     closing = code("close_joints.py", titles=False)
     return {
         label: joints_key(case_point(ENSEMBLES[ensemble], case, range(0)), closing)
@@ -162,7 +164,7 @@ def keys_of(ensemble):
 
 
 def dataset_key(ensemble):
-    """Digest of all that a dataset depends on; a file with another one is not read."""
+    """Return the digest of all that a dataset depends on; a file with another one is not read."""
     return digest(ensemble, sorted(keys_of(ensemble).items()))
 
 
@@ -173,12 +175,15 @@ SHARED = {name: first_with_surfaces(of, CASES[name]) for name, of in ENSEMBLES.i
 
 
 def surfaces_of(ensemble, case, first, last):
-    """File of the surfaces of a case, for a block of its realisations."""
+    """Return the file of the surfaces of a case, for a block of its realisations."""
     return f"{RESULTS}/surfaces/{ensemble}/{SHARED[ensemble][case]}.{first}-{last}.nc"
 
 
 def blocks(ensemble):
-    """Blocks of realisations, each closed by one job, as far as the study goes at present."""
+    """Return the blocks of realisations, one for each job.
+
+    With a requested accuracy these are the blocks that are planned so far.
+    """
     counts = planned_counts()  # of a requested accuracy
     if counts is None or ensemble == "pool":
         return blocks_of(ENSEMBLES[ensemble])
@@ -186,12 +191,12 @@ def blocks(ensemble):
 
 
 def priority_of(ensemble):
-    """Priority of jobs: the pool is closed after the study, whose tables do not wait for it."""
+    """Return the priority of jobs; the study precedes its pool, as its tables do not need it."""
     return 0 if ensemble == "pool" else 2
 
 
 def closed_joints(ensemble, of=None):
-    """Files of the joints of all cases of an ensemble, for some blocks or all."""
+    """Return the files of the joints of all cases of an ensemble, for the blocks ``of`` or all."""
     return [
         f"{RESULTS}/{ensemble}/{case}.{block.start}-{block.stop - 1}.nc"
         for case in CASES[ensemble]
@@ -200,7 +205,7 @@ def closed_joints(ensemble, of=None):
 
 
 def closed_surfaces(ensemble, case):
-    """Files of the surfaces of a case, for all blocks."""
+    """Return the files of the surfaces of a case, for all blocks."""
     return [
         surfaces_of(ensemble, case, block.start, block.stop - 1)
         for block in blocks(ensemble)
@@ -211,7 +216,7 @@ def closed_surfaces(ensemble, case):
 
 
 def scan_files(rock):
-    """Files of the scanned walls of a rock."""
+    """Return the files of the scanned walls of a rock."""
     return [
         str(file)
         for scan in wall_files(STUDY.rocks[rock].walls).values()
@@ -221,12 +226,12 @@ def scan_files(rock):
 
 @cache
 def walls_key(rock):
-    """Digest of all that the prepared walls of a rock depend on."""
+    """Return the digest of all that the prepared walls of a rock depend on."""
     return digest(scan_settings(rock), code("prepare_walls.py", titles=False))
 
 
 def scan_settings(rock):
-    """How the scanned walls of a rock are read, by the arguments of `prepare_walls`."""
+    """Return the arguments of `prepare_walls` for the scanned walls of a rock."""
     walls = STUDY.rocks[rock].walls
     return {
         "walls": walls,
@@ -242,10 +247,11 @@ def scan_settings(rock):
 
 
 def kernel_files(points, chosen=False):
-    """Files of the kernels that the joints of points need, also where effects are chosen.
+    """Return the files of the kernels that the joints of points need.
 
-    They are no `ancient` input: Snakemake looks for no change of params or code in jobs below one
-    that is run, and an ancient input does not run them either.
+    If their effects are ``chosen``, these are the kernels of all effects that may be. The files are
+    no `ancient` input: Snakemake looks for no change of params or code in jobs below one that is
+    run, and an ancient input does not run them either.
     """
     models = [point.settings.conditions.model for point in points]
     kernels = kernels_of(
@@ -257,7 +263,7 @@ def kernel_files(points, chosen=False):
 
 
 def choice_of(rock):
-    """Case of a rock on which its effects are chosen, with the number of joints of all its cases."""
+    """Return the point on which the effects of a rock are chosen, see `examined`."""
     block = range(STUDY.study.realizations)
     of_rock = {
         label: case_point(STUDY, case, block)
@@ -269,12 +275,12 @@ def choice_of(rock):
 
 @cache
 def effects_key(rock):
-    """Digest of all that the choice of a rock's effects depends on."""
+    """Return the digest of all that the choice of a rock's effects depends on."""
     return digest(choice_of(rock), code("choose_effects.py", titles=False))
 
 
 def surfaces_of_choice(rock):
-    """First surfaces of the case on which the effects of a rock are chosen, as it closes them."""
+    """Return the files of the first surfaces of the case on which a rock's effects are chosen."""
     label = choice_of(rock).point.settings.case.label
     count = STUDY.study.realizations if STUDY.study.accuracy else None
     return [
@@ -288,7 +294,7 @@ def surfaces_of_choice(rock):
 
 
 def surfaces_assessed(rock):
-    """Files of the surfaces of the base case that the assessment closes, as the study does."""
+    """Return the files of the surfaces of a rock's base case that the assessment uses."""
     points = PLAN.points[rock]
     count = STUDY.study.realizations if STUDY.study.accuracy else None
     return [
@@ -300,7 +306,7 @@ def surfaces_assessed(rock):
 
 @cache
 def assessed_key(rock):
-    """Digest of all that the joints of a rock in the assessment depend on."""
+    """Return the digest of all that the joints of a rock in the assessment depend on."""
     closing = code("assess_joints.py", titles=False)
     return digest(PLAN.points[rock], ASSESSED_QUANTITIES, closing)
 
@@ -309,7 +315,7 @@ def assessed_key(rock):
 
 
 def planned_counts():
-    """Surfaces of a case by ensemble when the requested accuracy is reached; None without one."""
+    """Return the last plan of a requested accuracy (surfaces by ensemble); None without."""
     if STUDY.study.accuracy is None:
         return None
     number, plan = 0, read_plan(0)
@@ -320,19 +326,19 @@ def planned_counts():
 
 
 def read_plan(number):
-    """Plan of a round; until its checkpoint is done, Snakemake knows of no job after it."""
+    """Return the plan of a round; jobs after it are known once its checkpoint is done."""
     with open(checkpoints.plan_accuracy.get(round=number).output.plan) as file:
         return json.load(file)
 
 
 def reached_plan():
-    """File of the last plan, which states the numbers of surfaces; none without a request."""
+    """Return the file of the last plan of a requested accuracy; none without a request."""
     counts = planned_counts()
     return [] if counts is None else f"{RESULTS}/accuracy/round_{counts['round']}.json"
 
 
 def joints_of_round(ensemble, number):
-    """Files of the joints that the plan of a round asks for; none before the first round."""
+    """Return the files of the joints that the plan of a round needs; none before the first."""
     if number < 0:
         return []
     count = read_plan(number)[ensemble]
@@ -340,7 +346,7 @@ def joints_of_round(ensemble, number):
 
 
 def first_points(ensemble):
-    """First joint of the base case of each rock, with all effects that may be chosen."""
+    """Return the point of the first joint of each rock's base case, without a choice of effects."""
     return [
         case_point(ENSEMBLES[ensemble], case, range(1))
         for case in CASES[ensemble].values()
@@ -365,13 +371,13 @@ if workflow.is_main_process:
 
 
 def name_of(function):
-    """Module and name of a function, by which the digest of its code is found."""
+    """Return the name of a function (module:function) for `code`."""
     return f"{function.__module__}:{function.__name__}"
 
 
 @cache
 def points_key(experiment, job):
-    """Digest of all that the joints of a job of an experiment depend on."""
+    """Return the digest of all that the joints of a job of an experiment depend on."""
     closing = code("close_points.py", *makers(experiment, job), titles=False)
     return digest(
         POINTS[experiment]()[job], EXPERIMENTS[experiment].quantities, closing
@@ -379,12 +385,12 @@ def points_key(experiment, job):
 
 
 def makers(experiment, job):
-    """Functions that make the walls of a job."""
+    """Return the names of the functions that make the walls of a job."""
     return sorted({point.maker for point in POINTS[experiment]()[job] if point.maker})
 
 
 def files_of_experiment(experiment):
-    """Tables and figures of an experiment, whose section must be in the configuration."""
+    """Return the tables and figures of an experiment; `InputError` without its section."""
     if experiment not in EXPERIMENTS:
         raise InputError(
             f"{experiment}: the configuration has no section of this name "
@@ -403,14 +409,14 @@ def files_of_experiment(experiment):
 
 @cache
 def hard_cases():
-    """Hard cases by name; their file is read by runs that close them."""
+    """Return the hard cases by name; their file is read only by runs that simulate them."""
     from studies.verification.hard_cases import merged_cases
 
     return merged_cases(read_plain("studies/verification/hard_cases.yaml"))
 
 
 def hard_case_kernels():
-    """Files of the kernels of the hard cases."""
+    """Return the files of the kernels of the hard cases."""
     from studies.verification.hard_cases import kernels_of_cases
 
     kernels = kernels_of_cases(hard_cases().values())
@@ -421,5 +427,5 @@ def hard_case_kernels():
 
 
 def existing(*files):
-    """First of some files that exists, as a list; of the paper's study only."""
+    """Return the first of some files that exists, as a list; empty unless IS_PAPER."""
     return [file for file in files if IS_PAPER and os.path.exists(file)][:1]

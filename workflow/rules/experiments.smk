@@ -1,5 +1,5 @@
-# Experiments: the sections of the configuration that are folders of `studies`. Each has points at
-# which joints are closed, tables of the joints, and figures of the tables, in `study.py` there.
+# Experiments: sections of the configuration, each with a folder of `studies`. Its `study.py` states
+# the points at which joints are simulated, tables of the joints, and figures of the tables.
 rule close_points:
     input:
         kernels=lambda w: kernel_files(POINTS[w.experiment]()[w.job]),
@@ -129,7 +129,7 @@ rule estimate:
         "What the experiments of this configuration would take is in {RESULTS}/tables"
 
 
-# Targets, one an experiment: `snakemake mismatch --configfile studies/mismatch/mismatch.yaml`
+# Targets, one for each experiment: `snakemake mismatch --configfile studies/mismatch/mismatch.yaml`
 
 
 rule assessment:

@@ -1,5 +1,5 @@
-# Joints that are hard on a solver, closed and judged by an independent oracle. They depend on no
-# configuration, and no other rule depends on them.
+# Joints that are difficult for a solver, simulated and judged by an independent oracle. They depend
+# on no configuration, and no other rule depends on them.
 
 
 use rule compile_kernels as compile_hard_cases with:
@@ -50,7 +50,7 @@ rule tabulate_hard_cases:
         "../scripts/tabulate_hard_cases.py"
 
 
-# after the table, which stays to be read where a case does not hold
+# apart from the table, so that this remains when a case does not hold
 rule hard_cases:
     input:
         rules.tabulate_hard_cases.output.cases,

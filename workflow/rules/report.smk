@@ -1,10 +1,10 @@
-# The study as one page to read, and what each conclusion of the paper rests on.
+# The report of the study, a page, and the evidence for each conclusion of the paper.
 
 
 rule conclude:
     input:
         claims=f"{RESULTS}/tables/claims.csv",
-        # tables of other studies: those that were run here, or else the published ones
+        # tables of other studies, published or (sensitivity) from a run in this folder
         jrc_range=existing("studies/paper/published/jrc_range/jrc_range_claims.csv"),
         readings=existing("studies/paper/published/conclusions/earlier_readings.csv"),
         choices=existing(*[f"{folder}_conclusions.csv" for folder in SENSITIVITY]),
@@ -38,7 +38,7 @@ rule write_report:
         figures=collect(
             f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES + FIRST_PANELS
         ),
-        # tables of other targets that were run
+        # tables of other targets that have been run
         beside=[
             file
             for name in ("assessment", "hardness", "conclusions")

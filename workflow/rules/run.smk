@@ -18,13 +18,14 @@ from studies.paper.layout import closure_lines
 
 HELD = []  # the locked file of a run, open until this process ends
 INTERRUPTED = []  # times of the interrupts
-JOB_SECONDS = 2.0  # roughly, of a job beside the joints that it closes
+JOB_SECONDS = 2.0  # roughly, of a job apart from the joints that it simulates
 
 
 class RunMessages(logging.Handler):
-    """Shows how long a run will still take, from the jobs that have ended, and why a job failed.
+    """Handler that shows how long a run will still take, and why a job failed.
 
-    Jobs count by the expected time of their joints, and time counts from when kernels are compiled.
+    The remaining time is estimated from the jobs that have ended, each weighted by the expected
+    time of its joints. Time is measured from the moment when all kernels are compiled.
     """
 
     def __init__(self, dag):
@@ -34,7 +35,7 @@ class RunMessages(logging.Handler):
         self.plan()
 
     def plan(self):
-        """Add the jobs of the present plan: a checkpoint adds some, and ended ones leave it."""
+        """Add the jobs of the present plan, as a checkpoint adds some and ended ones leave it."""
         self.costs |= {job.jobid: self.cost(job) for job in self.dag.needrun_jobs()}
 
     def emit(self, record):
@@ -45,7 +46,7 @@ class RunMessages(logging.Handler):
                     f"{record.rule_name} failed: {last_line(log)}; its log is {log}",
                     file=sys.stderr,
                 )
-        # where Snakemake is quiet about its progress, it tells of jobs that start only
+        # if its progress is not shown, Snakemake reports only jobs that start
         if event == LogEvent.JOB_STARTED:
             self.ended |= {job.jobid for job in self.dag.finished_jobs}
             if self.compiles():
@@ -54,7 +55,7 @@ class RunMessages(logging.Handler):
                 self.show_remaining()
 
     def compiles(self):
-        """Whether kernels are still compiled, for which other jobs wait."""
+        """Return whether kernels are still to be compiled, for which other jobs wait."""
         return any(
             job.rule.name.startswith("compile_") and job.jobid not in self.ended
             for job in self.dag.needrun_jobs()
@@ -82,7 +83,7 @@ class RunMessages(logging.Handler):
 
     @staticmethod
     def cost(job):
-        """Expected processor time of a job [s]."""
+        """Return the expected processor time of a job [s]."""
         if job.rule.name == "close_joints":
             joints = int(job.wildcards.last) - int(job.wildcards.first) + 1
             of_joint = expected_seconds(ENSEMBLES[job.wildcards.ensemble])
@@ -96,7 +97,10 @@ class RunMessages(logging.Handler):
 
 
 def interrupt(number, frame):
-    """End the jobs and the run at an interrupt; `timeout` of the Makefile hands on a second one."""
+    """End the jobs, and at the first interrupt the run.
+
+    `timeout` in the Makefile passes each interrupt on, so that a second one follows at once.
+    """
     now = time.monotonic()
     is_first = not INTERRUPTED or now - INTERRUPTED[-1] > 1.0
     INTERRUPTED.append(now)
@@ -108,7 +112,7 @@ def interrupt(number, frame):
 
 
 def last_line(log):
-    """Last line of the log of a job, which states the reason of a failure."""
+    """Return the last line of the log of a job, which states the reason of a failure."""
     if not os.path.exists(log):
         return "it ended before its log began"
     with open(log, errors="replace") as file:
@@ -131,15 +135,15 @@ onstart:
         )
     # Snakemake gives the path of Python to a shell without quotes, whatever this folder is named.
     sys.executable = os.path.relpath(sys.executable)
-    # A job replaces its shell; on Linux it ends with Snakemake, whatever ends that: the kernel kills
-    # it then, and it does not start where Snakemake has ended before the kernel was asked to. It is
-    # Snakemake that ends it at an interrupt from a terminal.
+    # A job replaces its shell. On Linux the kernel kills it when Snakemake ends, for any reason,
+    # and it does not start if Snakemake has ended before the kernel was asked to do so. Jobs ignore
+    # an interrupt from a terminal, at which Snakemake ends them.
     ends = "setpriv --pdeathsig KILL " if shutil.which("setpriv") else ""
     start = """sh -c 'trap "" INT; [ $PPID = "$0" ] && exec "$@"' """
     shell.prefix(f"set -euo pipefail; exec {ends}{start}{os.getpid()} ")
     signal.signal(signal.SIGINT, interrupt)
-    # Jobs are announced by their rules: that some are selected is of no interest. The command of one
-    # that failed is neither: its log, and `RunMessages`, have the reason.
+    # Lines on the selection of jobs are hidden, as the messages of rules announce jobs; so is the
+    # command of a job that failed, as its log and `RunMessages` have the reason.
     hidden = re.compile(
         r"Select jobs to execute|Execute \d+ jobs|RuleException:\s+CalledProcessError"
     )

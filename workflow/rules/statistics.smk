@@ -93,7 +93,7 @@ rule find_indifference_intervals:
         ENVIRONMENT
     params:
         key=KEYS["study"],
-        # intervals do not depend on the other parts
+        # without the settings on which intervals do not depend
         statistics=[STUDY.statistics._replace(repetitions=0, control_variates=None)],
         root_seed=STUDY.study.root_seed,
         code=code("find_indifference_intervals.py"),
@@ -198,7 +198,7 @@ rule check_results:
         "../scripts/check_results.py"
 
 
-# after the table, which stays to be read where a check fails
+# apart from the table, so that this remains when a check fails
 rule require_checks:
     input:
         rules.check_results.output[0],

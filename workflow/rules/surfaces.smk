@@ -24,7 +24,7 @@ rule make_surfaces:
 
 rule prepare_walls:
     input:
-        # their contents count, and not their times
+        # a new time of a file does not matter; its digest is among the settings
         scans=lambda w: ancient(scan_files(w.rock)),
     output:
         f"{RESULTS}/walls/{{rock}}.nc",

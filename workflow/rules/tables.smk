@@ -1,11 +1,11 @@
-# Tables 1 to 3 in the paper's layout, and tables of what only some studies have.
+# Tables 1 to 3 in the paper's layout, and tables for studies with measured curves or flow.
 
 
 rule write_tables:
     input:
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
-        # they precede Table 3 by paired tests
+        # they are shown above Table 3 if its tests are paired
         elasticities=(
             f"{RESULTS}/tables/elasticities.csv"
             if STUDY.study.draws == "common"

@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import chosen_effects, read_checked, write_ensemble
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import chosen_effects, write_ensemble
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":
@@ -22,7 +23,7 @@ if __name__ == "__main__":
                 snakemake.input.effects, snakemake.params.effects_keys
             )
         if snakemake.input.walls:
-            from studies.frame.walls import described  # of scans, which few studies have
+            from studies.frame.walls import described  # imported here, as few studies have scans
 
             walls_keys = snakemake.params.walls_keys
             files = {Path(file).stem: file for file in snakemake.input.walls}

@@ -1,4 +1,4 @@
-"""Close joints of a rock's base case by other numerics and effects, on surfaces of the study."""
+"""Simulate joints of a rock's base case with other numerics and effects, on its surfaces."""
 
 from itertools import islice
 
@@ -15,7 +15,7 @@ if __name__ == "__main__":
         settings = points[0].settings
         walls = list(islice(walls_in(snakemake.input.surfaces, settings), settings.realizations))
         for kernel in kernels_of(point.settings.conditions.model for point in points):
-            compile_kernels(*kernel)  # loads them, which is no part of the time of a joint
+            compile_kernels(*kernel)  # before a joint is timed
         joints = close_points(points, quantities, log, walls)
         joints = joints.assign_attrs(provenance(snakemake.config) | {"key": snakemake.params.key})
         write_netcdf(joints, snakemake.output[0])

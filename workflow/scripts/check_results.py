@@ -6,7 +6,8 @@ import pandas as pd
 
 from jointclosure.storage.files import read_text, write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 from studies.paper.checks import REMARKED, check_results
 
 if __name__ == "__main__":

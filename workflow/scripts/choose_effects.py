@@ -1,4 +1,4 @@
-"""Choose the effects that the cases of a rock call for, on the surfaces of one of them."""
+"""Choose the effects that the cases of a rock need, on the surfaces of one of them."""
 
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to

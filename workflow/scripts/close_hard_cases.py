@@ -1,4 +1,4 @@
-"""Close and judge the hard cases of a group."""
+"""Simulate and judge the hard cases of a group."""
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to

@@ -1,10 +1,10 @@
-"""Close the joints of a case, or of a block of its realisations, over their load cycles."""
+"""Close the joints of a block of realisations of a case over their load cycles."""
 
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
+from studies.frame.checked_files import read_checked
 from studies.frame.closing import close_joints, under_chosen
-from studies.frame.datasets import read_checked
 from studies.frame.settings import walls_in
 
 if __name__ == "__main__":

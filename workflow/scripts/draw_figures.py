@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from jointclosure.storage.files import read_csv, write
+from jointclosure.storage.files import read_csv
+from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf
-from studies.frame.datasets import reading_checked
+from studies.frame.checked_files import reading_checked
 from studies.paper.figures import study_figures
 from studies.paper.measured import measured_curves
 

@@ -1,8 +1,9 @@
-"""Draw what repetitions of the study would publish as Table 3, as PNG and PDF."""
+"""Draw Table 3 as it is distributed over repetitions of the study, as PNG and PDF."""
 
-from jointclosure.storage.files import read_csv, write
+from jointclosure.storage.files import read_csv
+from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import read_checked, reading_checked
+from studies.frame.checked_files import read_checked, reading_checked
 from studies.paper.figures import predictive_figure
 
 if __name__ == "__main__":

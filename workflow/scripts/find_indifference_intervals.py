@@ -2,7 +2,8 @@
 
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 from studies.paper.closures import indifference_table
 from studies.paper.layout import with_paper
 from studies.paper.responses import read_covariates

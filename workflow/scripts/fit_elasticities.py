@@ -1,8 +1,9 @@
-"""Fit the elasticities of the closure, of all surfaces of a study."""
+"""Fit the elasticities of the closure to the joints of the pool, or of the study without one."""
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 from studies.paper.closures import elasticity_table
 from studies.paper.responses import read_covariates
 

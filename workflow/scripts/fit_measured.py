@@ -2,7 +2,7 @@
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import reading_checked
+from studies.frame.checked_files import reading_checked
 from studies.paper.closures import fit_table
 from studies.paper.measured import measured_curves
 

@@ -3,7 +3,7 @@
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import reading_checked
+from studies.frame.checked_files import reading_checked
 from studies.paper.judged_claims import Evidence, judge_claims
 
 if __name__ == "__main__":

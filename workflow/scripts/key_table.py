@@ -53,14 +53,17 @@ def schema() -> str:
 
 
 def rows(schema: dict, default: Any, path: str):
-    """Generate key, values and text of each key below a path, of the sections with defaults."""
+    """Generate each key below a path, its default and allowed values, and its description.
+
+    Sections that are not in ``default`` are left out.
+    """
     entries = dict(schema.get("properties", {}))
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):
         entries["<rock>" if path == "rocks." else "<name>"] = extra
     for name, entry in entries.items():
         if not path and name not in default:
-            continue  # the section of an inquiry
+            continue  # the section of an experiment without defaults
         value = default.get(name) if isinstance(default, dict) else None
         section = "properties" in entry or isinstance(entry.get("additionalProperties"), dict)
         if not section or "number" in entry.get("type", ""):  # a key may be either
@@ -77,12 +80,12 @@ def _shown(value: object) -> str:
 
 
 def _allowed(name: str, entry: dict, stated: bool) -> str:
-    """Return the values that a key may have; the type only where a default does not show it."""
+    """Return the allowed values of a key; its type only if its default does not show it."""
     if "enum" in entry:
         return ", ".join("null" if value is None else str(value) for value in entry["enum"])
     kinds = entry.get("type", "")
     kinds = " or ".join(kinds) if isinstance(kinds, list) else kinds
-    if stated:  # the default shows them
+    if stated:  # the default shows the type
         kinds = kinds.removesuffix(" or null")
         kinds = "" if kinds in ("string", "array", "boolean", "number") else kinds
     ends = [

@@ -1,8 +1,9 @@
-"""Measure the covariates of closed joints, and their means on further surfaces."""
+"""Measure the covariates of the study's surfaces, and their means on further surfaces."""
 
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 from studies.paper.responses import Covariates, as_dataset, known_covariates, measure_covariates
 
 if __name__ == "__main__":

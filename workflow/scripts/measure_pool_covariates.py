@@ -2,7 +2,8 @@
 
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 from studies.paper.responses import Covariates, as_dataset, from_dataset, measure_covariates
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Plan how many surfaces of each case are closed next, for the requested accuracy."""
+"""Plan how many surfaces of each case are simulated next, for the requested accuracy."""
 
 import json
 

@@ -4,7 +4,8 @@ from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.datasets import CURVES, read_checked, reading_checked
+from studies.frame.checked_files import read_checked, reading_checked
+from studies.frame.datasets import CURVES
 from studies.paper.predictive import joint_table, lengths_dataset, predictive, predictive_table
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Measure what a joint of each rock takes by the study's numerics and by the finest ones."""
+"""Measure the time of a joint of each rock with the study's numerics and with the finest ones."""
 
 import pandas as pd
 
@@ -14,7 +14,7 @@ if __name__ == "__main__":
             for point, file in zip(points, snakemake.input.surfaces, strict=True):
                 rock = point.settings.case.rock
                 walls = list(walls_in([file], point.settings))
-                close_joints(point, walls, ())  # loads the kernels, whose time is no joint's
+                close_joints(point, walls, ())  # loads the kernels before a joint is timed
                 closed = close_joints(point, walls, (), report=log)
                 seconds = float(closed.timing_simulation.mean())
                 row = {"ensemble": ensemble, "rock": rock}

@@ -3,7 +3,8 @@
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
 from studies.assessment.reached import hardness_table
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -1,4 +1,4 @@
-"""State all keys of the study; its dataset has those that may change closures."""
+"""Write all keys of the study; its dataset has only those that may change closures."""
 
 from jointclosure.storage.files import write_text
 from jointclosure.storage.logs import logging_to

@@ -2,7 +2,8 @@
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 from studies.paper.accuracy import describe_reached, reached_table
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Tabulate what the numerics of a study reached, and what its effects add and cost."""
+"""Tabulate the accuracy of a study's numerics, and what its effects add and cost."""
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
 from studies.assessment.reached import assessed_table, cost_table
-from studies.frame.datasets import CURVES, read_checked
+from studies.frame.checked_files import read_checked
+from studies.frame.datasets import CURVES
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

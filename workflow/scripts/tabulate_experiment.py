@@ -1,8 +1,8 @@
 """Make a table of the joints of an experiment."""
 
-from jointclosure.storage.files import write
+from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
-from studies.frame.datasets import read_checked
+from studies.frame.checked_files import read_checked
 from studies.frame.points import experiment_named
 from studies.frame.tables import as_table
 

@@ -3,7 +3,7 @@
 from jointclosure.storage.files import write_text
 from jointclosure.storage.logs import logging_to
 from studies.commands.report import report_page
-from studies.frame.datasets import reading_checked
+from studies.frame.checked_files import reading_checked
 
 if __name__ == "__main__":
     read = snakemake.input

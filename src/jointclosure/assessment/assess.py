@@ -1,9 +1,9 @@
 """Assessment of a scene: what accuracy costs on it, how hard it is, and which effects it needs.
 
-The same walls are closed by variants of the scene: with other numerics, without an effect, and as
-copies that must close alike. All results are read from the differences between variants on the same
-walls. A lone joint is compared on its copies, whose scatter is that of the order of breakage;
-several joints are compared as they are.
+The same walls are simulated with variants of the scene: with other numerics, without an effect, and
+as copies whose results would be equal but for the order of breakage. All results are read from the
+differences between variants on the same walls. A lone joint is compared on its copies, whose
+scatter is that of the order of breakage; several joints are compared as they are.
 """
 
 import itertools
@@ -21,20 +21,25 @@ import pandas as pd
 from jointclosure.assessment.effect_names import lacks_effects, without
 from jointclosure.compilation.sources import code_digest
 from jointclosure.ensembles.joints import Reading, close_joint
-from jointclosure.execution.cache import digest
 from jointclosure.execution.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from
+from jointclosure.joint.conditions import (
+    RESOLVED,
+    Changes,
+    Conditions,
+    conditions_from,
+    takes_scans,
+)
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
-from jointclosure.storage.files import read_csv
+from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
-from jointclosure.uncertainty.scanned_joint import RESOLVED, registered_walls, takes_scans
 from jointclosure.uncertainty.variants import COPIES, coarser
 from jointclosure.walls import Walls
+from jointclosure.walls.wall_files import registered_walls
 
 CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
 JUDGED = (CLOSURE, "max_closure")  # to which a request applies: since seating, from first touch
@@ -49,9 +54,9 @@ ASSESSED = {
 REFINEMENT = 5.0  # tolerance of a resolved setting over that of the next finer one
 FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_max",
             "stress_over_strength", "spread")  # fmt: skip
-"""Quantities by which joints are placed among the hard cases, and the spread of copies [1]."""
+"""Quantities by which a joint is compared with the hard cases, and the spread of its copies [1]."""
 HARD_CASES = Path(__file__).with_name("hard_cases.csv")
-"""Names, difficulties and `FEATURES` of the hard cases that the study verification closed."""
+"""Names, difficulties and `FEATURES` of the hard cases that the study verification simulated."""
 _VERDICTS = ("not stable", "hard", "easy")
 DROPS = (
     ("gouge",),
@@ -62,7 +67,7 @@ DROPS = (
 )
 """Effects that are left out together."""
 READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
-"""Quantities that are read of every closure; the last one only where states are judged."""
+"""Quantities that are read from every simulation; the last one only from walls as they are."""
 LADDER = {"the paper's steps": Numerics()} | {
     f"tolerance {numerics.tolerance:g}": numerics
     for numerics in (coarser(RESOLVED, REFINEMENT**power) for power in (1, 0, -1))
@@ -80,7 +85,7 @@ class Assessment:
     closures : DataFrame
         One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
         `ASSESSED` and `FEATURES` but the spread [SI], ``oracle_ratio``, and the ``error`` of walls
-        that could not be closed.
+        that could not be simulated.
     ladder : list of str
         Settings of the numerics, from the cheapest to the finest.
     stated : str
@@ -99,8 +104,8 @@ class Assessment:
     def differences(self) -> pd.DataFrame:
         """Mean difference of each variant from its ``reference`` on the same walls, over its mean.
 
-        It is that of each quantity of `ASSESSED` and cycle, with its 95 % interval (``value``,
-        ``low``, ``high`` [1]), beside the ``seconds`` of a joint.
+        One row for each variant, quantity of `ASSESSED` and cycle: the difference with its 95 %
+        interval (``value``, ``low``, ``high`` [1]), and the ``seconds`` of a joint.
         """
         names = ["variant", "reference", "seconds", "quantity", "cycle", *Interval._fields]
         rows = []
@@ -113,10 +118,11 @@ class Assessment:
 
     @cached_property
     def hardness(self) -> pd.DataFrame:
-        """Verdict on each joint, the worst first: ``verdict``, ``reason``, and what gave it.
+        """Verdict on each joint, the worst first: ``verdict``, ``reason``, and numbers behind it.
 
-        That is `FEATURES` (by the finest setting, but ``unbreakable_share`` as stated, the largest
-        of all copies), the ``nearest`` hard case, the ``distance`` to it, and ``oracle_ratio``.
+        These are `FEATURES`, by the finest setting; only ``unbreakable_share`` is that of the
+        stated variant, the largest of all copies. Further columns are the ``nearest`` hard case,
+        the ``distance`` to it, and ``oracle_ratio``.
         """
         of_scene = self.closures[~lacks_effects(self.closures.variant)]
         rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
@@ -124,7 +130,7 @@ class Assessment:
 
     @property
     def sentences(self) -> list[str]:
-        """What follows for the request."""
+        """Conclusions for the request."""
         worst = self.hardness.iloc[0]
         subject = "this joint" if self._lone else f"joint {worst.joint}"
         words = f"{subject} is {worst.verdict}: {worst.reason}"
@@ -134,8 +140,9 @@ class Assessment:
 
     @property
     def price(self) -> pd.DataFrame:
-        """Seconds, and difference of net closure and net stiffness from the finest setting (%), one
-        row per setting.
+        """Seconds of each setting, and differences from the finest one (%) by cycle.
+
+        The differences are those of net closure and net stiffness.
         """
         return self._table(False, (CLOSURE, STIFFNESS))
 
@@ -157,7 +164,7 @@ class Assessment:
         return pd.DataFrame.from_dict(rows, orient="index")
 
     def verdict(self, variant: str) -> str:
-        """Say whether effects can be left out within the request, by `JUDGED` of all cycles."""
+        """Return whether effects can be left out within the request, by `JUDGED` of all cycles."""
         if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
             return "needed: fails"
         rows = self.differences[self.differences.variant == variant]
@@ -178,7 +185,7 @@ class Assessment:
 
     @cached_property
     def _compared(self) -> pd.DataFrame:
-        """Closures of a lone joint and its copies, or of several joints as they are."""
+        """Rows of `closures` of a lone joint and its copies, or of several joints as they are."""
         as_they_are = self.closures[self.closures.copy_of_walls == "as it is"]
         return self.closures if self._lone else as_they_are
 
@@ -194,21 +201,21 @@ class Assessment:
     def _paired(
         self, variants: Sequence[str], cycle: int, quantity: str
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return values (n,) of two variants in a cycle, of what both closed."""
+        """Return values (n,) of two variants in a cycle, of the walls on which both succeeded."""
         rows = self._compared[self._compared.cycle == cycle]
         one, two = (rows.loc[rows.variant == name, quantity].to_numpy(float) for name in variants)
         known = np.isfinite(one) & np.isfinite(two)
         return one[known], two[known]
 
     def _apart(self, variants: Sequence[str], cycle: int, quantity: str) -> Interval:
-        """Return the relative difference of the means of two variants."""
+        """Return the relative difference of the means of two variants, with its interval."""
         one, two = self._paired(variants, cycle, quantity)
         if not one.size:
             return Interval(math.nan, -math.inf, math.inf)
         return t_interval((one - two) / two.mean())
 
     def _hardness(self, own: pd.DataFrame) -> dict[str, Any]:
-        """Return a row of `hardness` from the closures of a joint."""
+        """Return a row of `hardness` from the rows of `closures` of a joint."""
         copies = own[own.variant == self.stated]
         features = features_of(own, self.stated, self.ladder[-1])
         nearest, hard, distance = nearest_hard_case(features)
@@ -243,7 +250,7 @@ class Assessment:
         return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
 
     def _limits(self) -> list[str]:
-        """Say for each cycle whether differences shrink with the tolerance of resolved breakage."""
+        """Describe for each cycle whether results have a limit for ever finer resolved breakage."""
         lines = []
         ladder = self.ladder
         for cycle in self._cycles if len(ladder) > 2 else ():
@@ -267,7 +274,7 @@ class Assessment:
         return lines
 
     def _of_joint(self) -> str:
-        """Say which setting a lone joint needs, or what the budget buys."""
+        """Describe which setting a lone joint needs, or which one the budget allows."""
         *cheaper, finest = self.ladder
         budget = self.budget
         seconds = self._seconds
@@ -288,7 +295,7 @@ class Assessment:
         return f"{reached} and takes {seconds[name]:.2g} s; {takes}"
 
     def _of_mean(self) -> str:
-        """Say how many joints a mean takes to be within the request, or what the budget buys."""
+        """Describe how many joints a mean within the request takes, or what a budget allows."""
         finest = self.ladder[-1]
         budget = self.budget
         plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
@@ -315,7 +322,10 @@ class Assessment:
         )
 
     def _plan(self, name: str) -> Plan | None:
-        """Return the plan of a mean with a setting that all closures of all cycles need."""
+        """Return the plan of a mean with a setting that suffices for all judged closures.
+
+        It is None if there is none for one of them.
+        """
         finest = self.ladder[-1]
         plans = list[Plan | None]()
         cost = float(self._seconds[name])
@@ -407,7 +417,11 @@ def check_request(given: Conditions, within: float = 0.05, budget: float | None 
 
 
 def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
-    """Return the names of the stated variant and of all settings, finest last, and all variants."""
+    """Return the variants of a scene.
+
+    They are the name of the stated setting, the names of all settings (the finest last), and the
+    conditions of all variants by name.
+    """
     variants = {"as stated": given}
     if given.effects.breakage:
         points = given.numerics.curve_points  # of elastic curves, no part of a setting
@@ -428,7 +442,10 @@ def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Cond
 
 
 def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
-    """Return checked pairs of walls and their spacing [m]; scans are registered."""
+    """Return checked pairs of walls and their spacing [m]; scans are registered.
+
+    Raise `InputError` if there are no pairs, walls are not allowed, or arrays have no ``spacing``.
+    """
     pairs: Any = [walls] if len(walls) == 2 and not isinstance(walls[0], tuple | list) else walls
     if isinstance(walls, np.ndarray) or any(len(pair) != 2 for pair in pairs):
         raise InputError("walls: must be (upper, lower), or a list of such pairs")
@@ -452,7 +469,11 @@ def closures_of(
     workers: int | None = 1,
     report: Callable[[float, str], None] = lambda share, variant: None,
 ) -> pd.DataFrame:
-    """Return `Assessment.closures` of (variant, joint, copy); what a folder keeps is not closed."""
+    """Return `Assessment.closures` of tasks (variant, joint, copy).
+
+    Those that the folder keeps are not simulated again. Raise `InputError` if the stated variant of
+    a pair cannot be simulated.
+    """
     processes = number_of_workers(workers)
     kept = dict[str, Any]()
     file = Path(folder) / "closures.jsonl" if folder else None
@@ -500,21 +521,23 @@ def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
 
 
 def spread_of(copies: pd.DataFrame) -> pd.Series:
-    """Return the standard deviation of closure over the copies of a joint [1], by cycle."""
+    """Return the relative standard deviation of closure among copies of a joint [1], by cycle."""
     values = copies.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
     return values.std(axis=1) / values.mean(axis=1)
 
 
 def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, float]:
-    """Return `FEATURES` of a joint: of its finest history, and the spread of the stated one."""
+    """Return `FEATURES` of a joint by the finest setting, and the spread of the stated variant."""
     fine = closures[(closures.variant == finest) & (closures.copy_of_walls == "as it is")]
     spread = spread_of(closures[closures.variant == stated]).max()
     return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
 
 
 def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
-    """Return the hard case with the most similar features, what is hard on it, and its distance:
-    the rms, over the features, of the difference between the shares of hard cases that have less.
+    """Return the hard case with the most similar features, what is hard on it, and its distance.
+
+    Each feature is replaced by the share of hard cases in which it is less. The distance is the rms
+    difference of these shares over the features.
     """
     cases = read_csv(HARD_CASES)
     apart = []
@@ -534,6 +557,6 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
 
 
 def percent_of(row: Any) -> str:
-    """Format an interval of relative differences in percent, without the sign of percent."""
+    """Format an interval of relative differences in percent, without the percent sign."""
     value, low, high = (f"{float(f'{100 * v:.2g}'):+g}" for v in (row.value, row.low, row.high))
     return f"{value} ({low} to {high})" if math.isfinite(row.low) else value

@@ -1,11 +1,12 @@
 """Selection of the effects that a scene needs, which loses little time if all matter.
 
-1. A pair of walls is closed with all effects; it shows what need not be tested (`Pilot.screened`).
-2. Its final walls, where nothing breaks, are closed with and without interaction. This is the prior
-   mean of the change, with the scatter of `PRIORS`. Other effects have no prior.
-3. Pairs closed with and without an effect update it (normal prior and data), if they cost less than
-   a part of what they may save (`PART`), and no more than `LOSS` is expected to be lost should the
-   effect act. One pair confirms what frozen walls show, whatever may be lost.
+1. A pair of walls is simulated with all effects. It shows which effects need no test
+   (`Pilot.screened`).
+2. Its final walls, where nothing breaks (frozen walls), are simulated with and without interaction.
+   The change is the prior mean, with the scatter of `PRIORS`. Other effects have no prior.
+3. Pairs simulated with and without an effect update the change (normal prior and data), if they
+   cost less than a part of what they may save (`PART`), and if no more than `LOSS` is expected to
+   be lost should the effect act. One pair confirms the result of frozen walls at any cost.
 
 Effects are left out if, with a probability of `ENOUGH`, this changes the mean of no `JUDGED`
 closure by more than the tolerance. The other quantities are reported.
@@ -37,21 +38,21 @@ PRIORS = {
     "stiffness_net": (0.028, 0.46, 0.0),
     "mean_aperture_at_max": (0.0, 0.21, 0.0),
 }
-"""Standard deviation of the true change about that on frozen walls [1]: root of the squares of a
-number, of a share of the largest change of a closure, and of a number over the root of the number
-of broken cells, as few contacts break by chance. Likeliest values at random conditions other than
-those of `benchmarks/effects_auto.py`."""
+"""Standard deviation of the true change about that on frozen walls [1], the root of the sum of
+three squares: of a number; of a share of the largest change of a closure; and of a number over the
+root of the number of broken cells, because few contacts break by chance. The values are the most
+likely ones at random conditions other than those of `benchmarks/effects_auto.py`."""
 SCATTER, WEIGHT = 0.1, 2.0
 """Standard deviation of the change in a joint [1] that is expected before joints show it, and the
 number of joints that this counts for."""
 ENOUGH = 0.6  # probability of changes within the tolerance from which effects are left out
-LIMIT = 2.5  # deviations at which the limit of a change lies, whose tails are longer than normal
+LIMIT = 2.5  # limit of a change, in deviations; its tails are longer than normal
 PART = 0.1
 """Part that a pair may cost of the time that may be saved, which is weighted by the probability of
 the less likely decision."""
 LOSS = 0.02  # largest share of the time of all joints that tests may lose if all effects act
 SAVED = {"breakage": 0.9, "interaction": 0.5}
-"""Share of time that is expected to be saved, before a joint was closed without the effect. Soft
+"""Share of time that is expected to be saved, before a joint was simulated without the effect. Soft
 peaks are always kept: without them most joints take as long or longer, as more cells break."""
 LONGER = 4.0
 """Breakage steps after which a joint without an effect is given up, over those with all effects:
@@ -59,8 +60,9 @@ without interaction a mated joint took 16 times as long."""
 WORTH = 0.1  # least share of time that leaving out effects must save
 FEWEST_PAIRS = {"breakage": 10, "interaction": 1}
 """Fewest pairs without an effect. Frozen walls do not show breakage, and where few asperities carry
-load, few joints break, but much. They show what interaction does, but not what it costs."""
-MOST_PAIRS = 20  # pairs of walls that are closed at most
+the load, only few joints break, but these break much. Frozen walls show the effect of interaction,
+but not its cost."""
+MOST_PAIRS = 20  # pairs of walls that are simulated at most
 _POINTS = 4  # of elastic curves
 _ROWS = [list(ASSESSED).index(name) for name in JUDGED]
 # stiffnesses are read as their inverse, because their mean over joints is harmonic
@@ -90,7 +92,10 @@ class Change(NamedTuple):
     deviation: np.ndarray
 
     def updated(self, changes: np.ndarray) -> "Change":
-        """Return the change after pairs of joints (pair, quantity, cycle), where not NaN."""
+        """Return the change updated by ``changes`` of pairs of joints (pair, quantity, cycle).
+
+        NaN are left out.
+        """
         count = np.isfinite(changes).sum(axis=0)
         mean = np.nan_to_num(_mean(changes))
         squares = WEIGHT * SCATTER**2 + np.nansum((changes - mean) ** 2, axis=0)
@@ -112,7 +117,7 @@ class Change(NamedTuple):
 
 
 class Pilot:
-    """Pairs of walls closed at most once with each of some effects, for ``joints`` that will be."""
+    """Pairs of walls simulated at most once with each set of effects, before ``joints`` are."""
 
     longer = LONGER
 
@@ -125,7 +130,7 @@ class Pilot:
         self._pairs = pairs
 
     def values(self, effects: Effects, count: int) -> np.ndarray:
-        """Close the first pairs, or as many as there are: (pair, quantity, cycle)."""
+        """Simulate the first ``count`` pairs, or all; return values (pair, quantity, cycle)."""
         closed = self.closed.setdefault(effects, [])
         for pair in self._pairs[len(closed) : count]:
             closed.append(self.close(pair, effects))
@@ -138,7 +143,10 @@ class Pilot:
         return np.array([row.get(name, failed) for name in _READ])
 
     def close(self, walls: Walls, effects: Effects, **changes: Any) -> SimulatedJoint:
-        """Close a pair of walls with some effects, the next of them in `values`."""
+        """Simulate a pair of walls with some effects, as the next one of `values`.
+
+        It is given up after `longer` times the breakage steps of this pair with all effects.
+        """
         stated = self.conditions._replace(effects=effects, **changes)
         if full := self.closed.get(self.effects, [])[len(self.closed.get(effects, [])) :]:
             steps = self.longer * float(full[0].closed.breakage_steps) / walls[0].size
@@ -179,12 +187,12 @@ class Pilot:
         return float(np.mean([joint.seconds for joint in self.closed[effects]]))
 
     def lost(self, selected: Effects) -> float:
-        """Return the time [s] of all closures but those of joints with the selected effects."""
+        """Return the time [s] of all simulations but those with the selected effects."""
         others = (joints for effects, joints in self.closed.items() if effects != selected)
         return self.frozen_seconds + sum(joint.seconds for joints in others for joint in joints)
 
     def screened(self, names: tuple[str, ...], tolerance: float) -> str:
-        """Return why effects are kept without a test, from the first joint; "" if they are not."""
+        """Return why the first joint shows that effects are kept without a test; "" if not."""
         gross = self.values(self.effects, 1)[0, 0]
         if not np.isfinite(gross).any():
             return "cannot be computed"
@@ -252,7 +260,8 @@ class Selection(NamedTuple):
     all cycles; 0 if all effects act. ``changes`` has a row per quantity of `ASSESSED` and cycle:
     the ``change`` (of the net stiffness: of its inverse) and its limit ``at_most`` [1]. ``reasons``
     has a sentence for every group of effects that was tried. ``closed`` contains the first pairs of
-    walls, closed with the selected effects. ``lost_seconds`` is the time of all other closures.
+    walls, simulated with the selected effects. ``lost_seconds`` is the time of all other
+    simulations.
     """
 
     effects: Effects

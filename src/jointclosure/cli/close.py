@@ -21,10 +21,11 @@ from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import duration
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.rocks import rock_record
 from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters.units import to_si
-from jointclosure.uncertainty.scanned_joint import RESOLVED, ClosedJoint, close
+from jointclosure.uncertainty.scanned_joint import ClosedJoint, close
 from jointclosure.uncertainty.variants import VARIED
 from jointclosure.walls.gridding import FLAT
 from jointclosure.walls.scans import file_digest
@@ -46,7 +47,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Close the joint and write its folder; return 1 if the simulation failed."""
+    """Simulate the joint and write its folder; return 1 if the simulation failed."""
     from jointclosure.plotting import walls  # noqa: F401  an extra that may be missing
 
     start = time.perf_counter()
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
-    """Return the stated ranges [SI] by name."""
+    """Return the stated ranges [SI] by name; raise `InputError` if one cannot be read."""
     ranges: dict[str, tuple[float, float]] = {}
     for key, *ends in stated:
         try:
@@ -118,7 +119,7 @@ def _files(
 
 
 def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:
-    """Return the results with units in their names; ``answer`` is what was printed of them."""
+    """Return the results with units in their names; ``answer`` is as from `results.summary`."""
     pair = joint.pair
     history = joint.history
     budget = joint.budget

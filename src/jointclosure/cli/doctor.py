@@ -28,7 +28,7 @@ _MEMORY_OF_A_JOB, _DISK_OF_A_STUDY = 0.5e9, 1e9
 
 
 def declare(command: argparse.ArgumentParser) -> None:
-    """There are no arguments."""
+    """Declare no arguments."""
 
 
 def run(arguments: argparse.Namespace) -> int:

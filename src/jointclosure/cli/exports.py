@@ -1,4 +1,4 @@
-"""Files of a closed joint: tables, figures, and inputs of other programs (docs/export.md)."""
+"""Files of a simulated joint: tables, figures, and inputs of other programs (docs/export.md)."""
 
 from functools import partial
 from itertools import product
@@ -43,8 +43,9 @@ def export_files(
     curves: pd.DataFrame,
     laws: JointLaws,
 ) -> dict[str, Any]:
-    """Return the files of a joint from its `stress_table`, with known bands, and laws; print what
-    is not written.
+    """Return the files of a joint by name, and print which ones are not written.
+
+    ``curves`` is its `stress_table`, with bands if they are known. A joint that failed has none.
     """
     if failed(joint):
         return {}
@@ -75,9 +76,10 @@ def export_files(
 
 
 def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
-    """Return the rows of the last loading from seating by endings of files.
+    """Return the rows of the last loading that begins at seating, by endings of files.
 
-    The ending "" is that of the joint, "_low" and "_high" are those of the ends of a band.
+    The ending "" is that of the joint, "_low" and "_high" are those of the ends of a band. Raise
+    `InputError`, which names the ``program``, if there is no such loading.
     """
     usual = curves.normal_stress_MPa.isin(table_levels(joint) / 1e6)  # no further named ones
     loading = curves[usual & (curves.branch == LOADING)]
@@ -118,7 +120,8 @@ class Hyperbola(NamedTuple):
 def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, Hyperbola]:
     """Return the hyperbolas of the last loading by endings as in `_loading`; print what has none.
 
-    They are net, as programs deform the rock themselves, and count from the seating stress.
+    They are net, because programs deform the rock themselves, and count from the seating stress.
+    Raise `InputError` if the joint itself has none.
     """
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress

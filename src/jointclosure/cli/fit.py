@@ -15,8 +15,8 @@ The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; oth
 import argparse
 
 from jointclosure.cli import options, results
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.fit import fit
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -25,7 +25,10 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Fit the joint, and print and write the result; null in its file means infinity."""
+    """Fit the joint; print and write the result.
+
+    In its file null is an infinite or unknown number, or a strength that was not fitted.
+    """
     if arguments.output:
         from jointclosure.plotting.measured import fit_figure
     stated = options.measured_joint(arguments, fit, RESOLVED)

@@ -2,7 +2,6 @@
 
 import argparse
 import inspect
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -18,7 +17,7 @@ from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UN
 from jointclosure.measured.joints import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
-from jointclosure.storage.files import check_record
+from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
 from jointclosure.walls.roughness import RELATIONS
@@ -69,7 +68,7 @@ def add_keywords(
     usual: Mapping[str, Any] = {},
     **changes: dict,
 ) -> None:
-    """Declare keywords of a function as options, helped by first sentences of its documentation.
+    """Declare keywords of a function as options; the first sentence on each is the help.
 
     A value that is not given is not in the arguments, so that the function's default holds, or
     that of ``usual``. ``changes`` are arguments of ``add_argument`` by keyword.
@@ -79,7 +78,7 @@ def add_keywords(
     for name in (*names, *changes):
         change = changes.get(name, {})
         parameter = signature[name]
-        text = re.split(r"(?<! al)\.(?: |$)", texts[name])[0]
+        text = texts[name].partition(". ")[0].removesuffix(".")
         text = text.replace("%", "%%").replace("None", "none")
         default = change.get("default", usual.get(name, parameter.default))
         about: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS}
@@ -119,7 +118,7 @@ def _form(name: str, hint: Any) -> dict[str, Any]:
 
 
 def read(check: Callable, *words: Any) -> Any:
-    """Return what ``check`` makes of an option; the message of its `InputError` is reported."""
+    """Return the value of an option by ``check``; its `InputError` becomes an error of argparse."""
     try:
         return check(*words)
     except InputError as error:
@@ -127,7 +126,7 @@ def read(check: Callable, *words: Any) -> Any:
 
 
 def _cells(text: str) -> tuple[int, int]:
-    """Read the number of cells (y, x)."""
+    """Return the numbers of cells (y, x) of a text such as "100" or "200x100" (x by y)."""
     parts = text.lower().split("x")
     if len(parts) > 2 or not all(part.isdigit() for part in parts):
         raise InputError(f"{text!r}: must be a number, or two such as 200x100")
@@ -135,13 +134,17 @@ def _cells(text: str) -> tuple[int, int]:
 
 
 def one_or_two(text: str) -> str | tuple[str, ...]:
-    """Read a word for both walls, or two with a comma for the upper and the lower one."""
+    """Return a word for both walls, or two with a comma for the upper and the lower one."""
     words = tuple(text.split(","))
     return words if words[1:] else text
 
 
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
-    """Read a number, or several with commas, in the unit of a keyword, in SI; or none."""
+    """Return a number in SI, or ``several`` with commas, from a text in the unit of a keyword.
+
+    ``single`` is whether one number alone is returned as such, ``none`` whether the text may be
+    "none". Raise `InputError` for other texts.
+    """
     if none and text == "none":
         return None
     unit = UNITS.get(keyword, "1")
@@ -157,7 +160,10 @@ def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) ->
 
 
 def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
-    """Refuse a file, or without suffixes a folder, that could not be written."""
+    """Return the path of a file with one of some suffixes, or without suffixes of a folder.
+
+    Raise `InputError` if it could not be written.
+    """
     path = Path(text)
     if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
@@ -246,10 +252,11 @@ def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]
 def keywords(
     arguments: argparse.Namespace, function: Callable, usual: Numerics, *needed: str
 ) -> tuple[KnownRock, dict[str, Any]]:
-    """Return the rock, and the keywords of a function that are given or of the named rock.
+    """Return the rock, and the keywords of a function: those given, and those of the named rock.
 
-    Without a named rock all of its properties must be given, and those of ``needed`` that it has
-    not. Without a stated rule of breakage the ``usual`` numerics hold.
+    Raise `InputError` if a property of the rock, or one of the ``needed`` keywords, is neither
+    given nor known from a named rock. Without a stated rule of breakage the ``usual`` numerics
+    hold.
     """
     known = ROCKS.get(arguments.rock)
     stated = given(arguments, OF_ROCK)

@@ -1,4 +1,4 @@
-"""What commands print and write of a closed joint: closures, status, snapshots and files."""
+"""What commands print and write of a simulated joint: closures, status, snapshots and files."""
 
 import argparse
 import json
@@ -23,7 +23,7 @@ from jointclosure.joint.tables import (
     members,
 )
 from jointclosure.statistics.standard_errors import number_text, significant
-from jointclosure.storage.files import replace_files, write
+from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
@@ -81,12 +81,15 @@ def summary(
     if history_of(closed).has_flow:
         remarks += _flow_remarks(closed)
     table = result_table(closed, laws, curves, budget)
-    about = "gross closure contains the elastic indentation of the half-spaces, net does not"
-    head = f"{about}; closures since {1e-6 * closed.attrs['seating_stress_Pa']:g} MPa"
+    seating = 1e-6 * closed.attrs["seating_stress_Pa"]
+    head = (
+        "Gross closure contains the elastic indentation of the half-spaces, and net closure does "
+        f"not. Closures count from {seating:g} MPa."
+    )
     if budget is not None:
         head += (
-            "; in brackets the range of 9 in 10 joints, due to unknown inputs of the scans and to "
-            "stated ranges"
+            " Brackets contain the results of 9 in 10 joints that have these scans and the stated "
+            "properties."
         )
     lines = [head, table.to_string()]
     if budget is not None:
@@ -108,7 +111,7 @@ def summary(
 
 
 def _overlap_remarks(closed: xr.Dataset) -> list[str]:
-    """Warn of maxima at which contacts overlap by more than the mean aperture that is left."""
+    """Return cautions about maxima at which the mean overlap exceeds the mean aperture left."""
     remarks: list[str] = []
     for cycle in history_of(closed).cycles:
         if not cycle.unloading.exists:
@@ -178,7 +181,7 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
-    """Return what the laws of Barton and Bandis give for the results of a joint, by its columns."""
+    """Return the results of a joint by the laws of Barton and Bandis, by title and column."""
     maxima = history_of(closed).maxima
     values: dict[str, dict[str, float]] = {}
     for cycle, law in laws.by_cycle.items():

@@ -48,7 +48,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Close the joint; return 1 if the simulation failed."""
+    """Simulate the joint; return 1 if the simulation failed."""
     snapshots = arguments.snapshots
     if snapshots and not arguments.output:
         raise InputError("--snapshots: needs --output FILE.nc, which stores them")

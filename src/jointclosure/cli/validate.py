@@ -25,7 +25,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print and write what is compatible with the curve."""
+    """Print and write the ranges of constants that are compatible with the curve, by mechanism."""
     if arguments.output:
         from jointclosure.plotting.measured import region_figure
     stated = options.measured_joint(arguments, validate, NUMERICS)

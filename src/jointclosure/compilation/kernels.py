@@ -54,7 +54,7 @@ def cache_folder() -> Path:
 
 @lru_cache(maxsize=None)
 def _resolved_path(file: str) -> Path:
-    """Return the path of a module, of which many kernels ask, without links."""
+    """Return the path of a module without links; it is kept, because many kernels ask for it."""
     return Path(file).resolve()
 
 
@@ -118,8 +118,8 @@ class _KernelCache(FunctionCache):
     def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
         """Load as `Cache.load_overload`, shipped code first; None if it must be compiled.
 
-        Machine code needs the runtime of Numba, and no registry of its compiler, which takes a
-        third of a second: a compilation loads that by itself.
+        Only the runtime of Numba is initialised, not the registries of its compiler, which take a
+        third of a second. A compilation loads these itself.
         """
         rtsys.initialize(target_context)
         key = self._index_key(sig, target_context.codegen())  # type: ignore[no-untyped-call]
@@ -150,8 +150,8 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic; 0/0 raises nothing.
 
     A closure is named after the plain values that it closes over: without these, two closures of
-    one factory, compiled in two processes, could have one name, and fail in a third that loads
-    both.
+    one factory, compiled in two processes, could have one name, and fail in a third process that
+    loads both.
     """
     return _compile(function, inlined=True)
 

@@ -28,7 +28,7 @@ SHOWN_BY = {"entry": "studies/paper/report/content.py"}
 which it reaches results. The text counts only if that module is imported."""
 TITLED = ("Property", "Quantity", "_net", "_VARIABLES")
 """Calls whose first argument is the title of a number, and the table of titles of variables:
-no numbers depend on them, so that closed joints and kernels stay when a title is reworded."""
+no numbers depend on them, so that stored joints and kernels stay when a title is reworded."""
 UNCOUNTED = (
     "jointclosure/execution/progress.py",
     "jointclosure/storage/logs.py",
@@ -106,7 +106,10 @@ def cache_root() -> Path:
 
 
 def has_home() -> bool:
-    """Return whether the user has a home: HOME, or an entry, which many containers lack."""
+    """Return whether the user has a home folder: HOME is set, or the list of users has one.
+
+    Many containers have neither.
+    """
     try:
         return bool(Path.home())
     except RuntimeError:
@@ -128,7 +131,7 @@ def temporary_cache() -> Path:
 
 @lru_cache(maxsize=None)
 def raw_digest() -> str:
-    """Return the digest of the bytes of all modules of the package."""
+    """Return the digest of the bytes of all modules of the packages in `ROOTS`."""
     digest = hashlib.sha256()
     for root in ROOTS.values():
         for file in sorted([*root.rglob("*.py"), *root.rglob("*.pyi")]):
@@ -207,7 +210,7 @@ def _imported_files(tree: ast.AST) -> frozenset[Path]:
 
 
 def _executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """Generate the parts of the syntax, without imports for checkers of types alone."""
+    """Generate the parts of the syntax, without imports for type checkers alone."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -217,7 +220,7 @@ def _executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _used_statements(file: Path, function: str) -> list[ast.AST]:
-    """Return the statements of a module that a function uses by name, itself and imports too."""
+    """Return the statements of a module that a function uses by name, imports and its own too."""
     bound: dict[str, list[ast.AST]] = {}
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import | ast.ImportFrom):

@@ -1,4 +1,4 @@
-"""Joints that are closed, timed and read, one by one or many of the same rock and load."""
+"""Joints that are simulated, timed and read, one by one or many of the same rock and load."""
 
 import time
 import warnings
@@ -22,7 +22,7 @@ from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.plausibility import doubts
 
 NOT_SIMULATED = np.int16(2 * max(FLAGS))
-"""Status bit of a joint that could not be closed; its ``error`` states the reason."""
+"""Status bit of a joint that could not be simulated; its ``error`` states the reason."""
 Row = dict[str, Any]  # quantities of a joint by name; a failed joint has only those of effort
 
 
@@ -40,7 +40,10 @@ def simulated_joint(
     stresses: np.ndarray = np.empty(0),
     snapshots: Sequence[float] = (),
 ) -> SimulatedJoint:
-    """Close two walls (y, x) [m], and measure the processor time."""
+    """Simulate the joint of two walls (y, x) [m], and measure the processor time.
+
+    ``stresses`` and ``snapshots`` [Pa] are those of curves and of stored states.
+    """
     pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
     start = time.process_time()
     closed = close_walls(*pair, conditions, snapshots=tuple(snapshots), pristine=pristine)
@@ -48,7 +51,7 @@ def simulated_joint(
 
 
 def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
-    """Close two walls (y, x) [m], and read quantities of the joint."""
+    """Simulate the joint of two walls (y, x) [m], and read its quantities."""
     judged = "oracle_ratio" in reading.names
     conditions = reading.conditions
     if judged and isinstance(walls, CrushedWalls):
@@ -58,14 +61,17 @@ def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
 
 
 def read_joint(joint: SimulatedJoint, names: Iterable[str]) -> Row:
-    """Read quantities of a closed joint; of one that failed only those of effort."""
+    """Read quantities of a simulated joint; of one that failed only those of effort."""
     failed = int(joint.closed.status) >= FAILURE
     read = {name: QUANTITIES[name] for name in names}
     return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not failed}
 
 
 def stacked(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading) -> xr.Dataset:
-    """Join rows of joints along ``realization``; what a row lacks is NaN, a count 0."""
+    """Return rows of joints as a dataset along ``realization``.
+
+    A value that a row does not have is NaN, a count 0.
+    """
     about = {"long_name": "nominal normal stress", "units": "Pa"}
     joined = xr.Dataset(
         coords={
@@ -128,10 +134,9 @@ def simulate_ensemble(
         a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], for each cycle
         ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` is
         the seed, or the position of a given pair. ``error`` states why a joint could not be
-        closed, and is empty otherwise. Such a joint has status `NOT_SIMULATED` and NaN, does not
-        affect other joints, and is named in a warning; one whose simulation failed has a status of
-        16 or more, counts and NaN. A joint whose process was killed is first
-        tried once more.
+        simulated, and is empty otherwise. Such a joint has status `NOT_SIMULATED` and NaN, does not
+        affect other joints, and is named in a warning. One whose simulation failed has a status of
+        16 or more, counts and NaN. A joint whose process was killed is first tried once more.
 
     Raises
     ------

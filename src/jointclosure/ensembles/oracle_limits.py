@@ -17,12 +17,14 @@ VOLUME_TOLERANCE = LOAD_TOLERANCE = 1e-12
 STRENGTH_TOLERANCE = 1e-6  # of a contact at rest, due to the last change of the interaction
 ROUNDINGS = 16.0  # allowed error of an overlap, in units in the last place of the heights
 MOST_CONTACTS = 20_000  # cells in contact above which the dense oracle judges no snapshot
-SOLVED = 1.01  # allowed residual over a solver's tolerance, who sums it in another order
+SOLVED = 1.01  # allowed residual over the tolerance of a solver, which sums it in another order
 
 
 def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float]:
-    """Return the limits of the numbers of an `oracle.Verdict` by name, infinite if only reported;
-    others are 0. Forces have the solver's error and that of the last digits of the heights.
+    """Return the limits of the numbers of an `oracle.Verdict` by name; those left out are 0.
+
+    ``tolerances`` are as from `tolerances_of`. Forces have the solver's error and that of the last
+    digits of the heights. The limit of a number that is only reported is infinite.
     """
     digits = ROUNDINGS * verdict.rounding
     solved = SOLVED * tolerances["residual"] + digits
@@ -39,8 +41,9 @@ def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float
 
 
 def tolerances_of(effects, numerics, by_stress: bool = True) -> dict[str, float]:
-    """Return limits of the oracle's numbers by effects and numerics; ``by_stress``: that or a
-    closure was solved for.
+    """Return the allowed residual and excess of strength of a simulation.
+
+    ``by_stress`` is whether the state was solved for a stress, not for a closure.
     """
     residual = numerics.force_tolerance
     if by_stress and not effects.breakage and solver_named(numerics.solver).elastic_curve:
@@ -59,7 +62,8 @@ def largest_ratio(numbers: Mapping[str, float], limits: Mapping[str, float]) -> 
 def oracle_ratio(joint: SimulatedJoint) -> float:
     """Return the oracle's largest number over its limit, at the first maximum.
 
-    NaN for more cells in contact than it can judge, and where breakage passed the maximum.
+    It is NaN for more cells in contact than the oracle can judge, and if breakage jumped over the
+    maximum.
     """
     closed = joint.closed
     given = joint.conditions

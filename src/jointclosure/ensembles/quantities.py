@@ -1,4 +1,4 @@
-"""Quantities of a closed joint: the one place of their titles, units, symbols and rules."""
+"""Quantities of a simulated joint: the one place of their titles, units, symbols and rules."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -42,9 +42,11 @@ def heading(title: str, unit: str) -> str:
 
 
 class Quantity(NamedTuple):
-    """Title without unit, SI unit ("1" for a ratio), dimensions and rule of a quantity, its symbol
-    as matplotlib writes formulas, and ``further`` attributes: a comment, or meanings of bits. Those
-    ``of_effort`` say what the computation did; failed joints have no others.
+    """Quantity of a simulated joint, and the rule that computes it.
+
+    ``title`` is without the unit, ``unit`` in SI ("1" for a ratio), ``symbol`` in matplotlib's
+    notation of formulas. ``further`` attributes are a comment, or meanings of bits. Quantities
+    ``of_effort`` describe the computation; failed joints have no others.
     """
 
     title: str
@@ -63,7 +65,7 @@ class Quantity(NamedTuple):
 
     @property
     def harmonic(self) -> bool:
-        """Whether its mean over joints is harmonic: that of stiffnesses, of the mean curve."""
+        """Whether its mean over joints is harmonic, as for stiffnesses: that of the mean curve."""
         return self.unit == "Pa/m"
 
     @property
@@ -78,7 +80,7 @@ def _history(
     symbol: str = "",
     rule: Callable[[SimulatedJoint], Any] | None = None,
 ) -> Quantity:
-    """Make a quantity of a variable of a history, read as it is unless by another rule."""
+    """Make a quantity of a variable of a history, read as it is or by another rule."""
     further = dict(ATTRIBUTES[name])
     title = further.pop("long_name")
     unit = further.pop("units", "1")
@@ -125,7 +127,10 @@ def _volume_error(joint: SimulatedJoint) -> float:
 
 
 def _largest_jump(joint: SimulatedJoint) -> float:
-    """Return the largest way from a peak of the stress to where loading exceeds it, over all."""
+    """Return the largest closure of a loading at constant stress, over its whole closure.
+
+    It is the closure from a peak of the stress to where the loading exceeds this peak.
+    """
     shares = []
     for cycle in range(1, joint.closed.max_closure.size + 1):
         loading = joint.history.branch(cycle, LOADING).steps
@@ -248,7 +253,7 @@ QUANTITIES: dict[str, Quantity] = {
         "largest number of the oracle over its limit, at the first maximum", "1", (),
         _oracle_ratio),
 }  # fmt: skip
-"""All quantities by name: that of variables of datasets, and of what tables call a response."""
+"""All quantities by name, which is that of variables of datasets and of responses in tables."""
 COLUMNS = {name: shown_as(name, quantity.unit) for name, quantity in QUANTITIES.items()}
 """Columns of tables, and their scale, by quantity."""
 COORDINATES = {
@@ -282,7 +287,7 @@ they rise with stress; the others fall."""
 
 
 def titles_of_cycles(*shown: tuple[str, int]) -> dict[tuple[str, int], str]:
-    """Return titles of quantities in a cycle, by both."""
+    """Return titles of quantities in cycles, by (quantity, cycle)."""
     return {(name, cycle): f"{QUANTITIES[name].title}, cycle {cycle}" for name, cycle in shown}
 
 

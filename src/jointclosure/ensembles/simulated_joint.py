@@ -1,4 +1,4 @@
-"""One simulated joint of an ensemble, with what its quantities are read of."""
+"""One simulated joint of an ensemble, with the data from which its quantities are read."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,8 +18,9 @@ from jointclosure.walls import Walls
 
 @dataclass(frozen=True)
 class SimulatedJoint:
-    """Walls (y, x) [m] before loading, how they closed, processor time of that [s], and stresses
-    (n,) [Pa] at which curves are read.
+    """Simulated joint: walls (y, x) [m] before loading, history, conditions, processor time [s].
+
+    Curves are read at ``stresses`` (n,) [Pa].
     """
 
     walls: Walls
@@ -49,7 +50,7 @@ class SimulatedJoint:
         return net_responses(self.closed)
 
     def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        """Read values of steps at stresses, over (cycle, branch, stress)."""
+        """Return values of steps (steps,) at stresses [Pa], over (cycle, branch, stress)."""
         tolerance = self.conditions.numerics.stress_tolerance
         cycles = self.conditions.cycle_count
         return values_at_stresses(self.closed, values, cycles, stresses, tolerance)

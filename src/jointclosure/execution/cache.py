@@ -1,10 +1,10 @@
-"""Cache of closed joints: files that processes make, and that are kept while their key agrees.
+"""Cache of simulated joints: files that processes make, and that are kept while their key agrees.
 
-The key is a digest of the settings of a file and of the code of its maker. A killed run goes on
-with what is closed, an edit makes again what depends on it, and so do a foreign and a damaged file.
+The key is a digest of the settings of a file and of the code of its maker. A run that was killed
+continues with the joints that are kept. Files are made again if code on which they depend was
+edited, if they are of other settings, or if they are damaged.
 """
 
-import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -16,6 +16,7 @@ from jointclosure.compilation.sources import code_digest
 from jointclosure.execution.progress import Countdown
 from jointclosure.execution.workers import Failed, ProcessLostError, shared
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import digest
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 
@@ -42,13 +43,8 @@ class Entry(NamedTuple):
         return digest(_code(made_by, *self.uses), self.settings)
 
     def file(self, folder: Path) -> Path:
-        """Path in the folder of a cache."""
+        """Return the path of the file in the folder of a cache."""
         return folder / f"{self.name}.nc"
-
-
-def digest(*parts: object) -> str:
-    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 @lru_cache(maxsize=None)

@@ -10,7 +10,7 @@ _FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: 
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar on a terminal, else lines; yield what takes the finished part and the step."""
+    """Show a bar on a terminal, else lines; yield a function of the finished share and the step."""
     # jobs do without it, and hundreds of them are started
     from rich import console, progress
 
@@ -32,7 +32,7 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
 
 @contextmanager
 def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
-    """Show a bar for the load cycles of a joint; yield what `jointclosure.simulate` reports to."""
+    """Show a bar for the load cycles of a joint; yield a function for `jointclosure.simulate`."""
     with bar("closing") as show:
 
         def report(cycle: int, branch: str, share: float) -> None:

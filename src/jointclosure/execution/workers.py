@@ -35,7 +35,10 @@ class Failed(NamedTuple):
 
 
 def number_of_workers(workers: int | None) -> int:
-    """Check a number of workers; None is that of the processors available to this process."""
+    """Return a number of workers, by default that of the processors available to this process.
+
+    Raise `InputError` unless it is at least 1.
+    """
     if workers is None:
         affinity = getattr(os, "sched_getaffinity", None)
         return len(affinity(0)) if affinity else os.cpu_count() or 1
@@ -46,9 +49,10 @@ def number_of_workers(workers: int | None) -> int:
 def shared(
     function: Callable[..., Any], tasks: Sequence[tuple], workers: int, apart: bool = False
 ) -> Iterator[tuple[int, Any]]:
-    """Call a function of a module for tasks of arguments: (place, result or `Failed`), as finished.
+    """Generate (place, result or `Failed`) of calls of a function, in the order in which they end.
 
-    One worker is the current process, unless ``apart``.
+    The function is one of a module, a task is the arguments of a call. With one worker the calls
+    are made in the current process, unless ``apart``.
     """
     if workers == 1 and not apart:
         for place, task in enumerate(tasks):
@@ -64,10 +68,10 @@ def shared(
 def in_threads(
     function: Callable[..., Any], tasks: Sequence[Any], threads: int
 ) -> Iterator[tuple[int, Any]]:
-    """Call a function of a task in threads: (place, result), as finished.
+    """Generate (place, result) of calls of a function in threads, in the order in which they end.
 
-    It also receives what it must call now and then, and what raises `InterruptedError` once the
-    results are no longer wanted.
+    The function receives a task, and a function that it must call now and then. That one raises
+    `InterruptedError` once the results are no longer wanted.
     """
     ended = threading.Event()
 

@@ -91,7 +91,7 @@ def check_sizes(name: str, values: np.ndarray) -> None:
 
 
 def check_below(name: str, value: float, limit: float) -> None:
-    """Raise `InputError` unless a number lies between 0 and a limit, without both."""
+    """Raise `InputError` unless a number lies between 0 and a limit, both excluded."""
     check_number(name, value)
     if not 0.0 < value < limit:
         raise InputError(f"{name} = {value!r}: must lie between 0 and {limit:g}")

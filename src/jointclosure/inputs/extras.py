@@ -21,7 +21,10 @@ EXTRAS: dict[str, tuple[str, ...]] = {
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Wrap imports of modules of an extra; if one is missing, say how to install it."""
+    """Wrap imports of an extra; raise `InputError` with the remedy if a module is missing.
+
+    ``what`` names the use of the modules in the message.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ImportWarning)  # of what a module itself can do without
@@ -36,7 +39,10 @@ def needs(extra: str, what: str) -> Iterator[None]:
 
 
 def installing(extra: str) -> str:
-    """Return the command that installs the packages of an extra, wherever this one came from."""
+    """Return the pip command that names the packages of an extra one by one.
+
+    It does not depend on how jointclosure was installed.
+    """
     entries = (entry.split("; ") for entry in importlib.metadata.requires("jointclosure") or ())
     names = [entry[0] for entry in entries if entry[1:] == [f"extra == '{extra}'"]]
     return " ".join(["pip install", *(f"'{name}'" for name in names)])

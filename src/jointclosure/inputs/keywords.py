@@ -9,9 +9,10 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def takes(fields_of: Callable[..., Any], **defaults: Any) -> Callable[[Function], Function]:
-    """Show the fields of a named tuple in the signature of a function with other keywords.
+    """Return a decorator that shows the fields of a named tuple in a function's signature.
 
-    ``defaults`` are those of the function by name, where they differ from those of the fields.
+    The fields stand in place of its ``**keywords``. ``defaults`` are those of the function by name,
+    where they differ from those of the fields.
     """
 
     def decorate(function: Function) -> Function:
@@ -32,9 +33,10 @@ def check_keywords(
     function: str, stated: Iterable[str], allowed: Iterable[str], required: Iterable[str] = (),
     inside: Mapping[str, Iterable[str]] = {},
 ) -> None:  # fmt: skip
-    """Raise `TypeError` as Python does for keywords, naming a similar one.
+    """Raise `TypeError`, as Python does, for an unknown or a missing keyword of a function.
 
-    ``inside`` are the fields of keywords that are named tuples.
+    The message names a similar keyword. ``inside`` are the fields of keywords that are named
+    tuples.
     """
     stated = list(stated)
     allowed = list(allowed)

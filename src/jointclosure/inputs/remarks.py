@@ -10,7 +10,7 @@ class Caution(str):
 
 
 def caution(text: str, about: str = "") -> Caution:
-    """Make a warning, preceded by the name of its subject."""
+    """Return a warning, preceded by its subject ``about``."""
     return Caution(f"{about}Warning: {text}")
 
 

@@ -1,4 +1,4 @@
-"""Conditions of a closure: rock, load and model, which every function that closes joints takes."""
+"""Conditions of a simulation: rock, load and model, as every function that simulates takes them."""
 
 import json
 import math
@@ -26,7 +26,8 @@ USUAL_CYCLES = 2
 MOST_CYCLES = 10_000
 SEATING_STRESS = 0.5e6  # usual stress [Pa] from which seated closures count, as in laboratories
 LARGEST_SEATING, _SEATING_SHARE = 0.9, 0.1
-"""Largest seating stress, and default where the usual one is too large, over the least maximum."""
+"""Largest seating stress, and the default where the usual one is too large, both over the smallest
+maximum of the load."""
 
 
 class LoadCycle(NamedTuple):
@@ -39,7 +40,7 @@ class LoadCycle(NamedTuple):
 def load_cycles(
     max_normal_stress: float | Sequence[float], cycles: int | None = None
 ) -> tuple[LoadCycle, ...]:
-    """Check a load and return its cycles [Pa]."""
+    """Return the cycles [Pa] of a load (see `Conditions`), or raise `InputError`."""
     if cycles is not None:
         check_count("cycles", cycles, 1, MOST_CYCLES)
     given, history = _turns(max_normal_stress)
@@ -81,14 +82,14 @@ def usual_seating(least: float) -> float:
 
 
 def _turns(stress: float | Sequence[float]) -> tuple[list[float], bool]:
-    """Return the stresses of a load, and whether it is a history and no single maximum."""
+    """Return the stresses of a load, and whether it is a history, not a single maximum."""
     many = isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
     many |= isinstance(stress, np.ndarray) and stress.ndim == 1
     return list(cast(Sequence[float], stress if many else [stress])), many
 
 
 class Changes(TypedDict, total=False):
-    """Fields of `Conditions` as keywords, for checkers of types and editors."""
+    """Fields of `Conditions` as keywords, for type checkers and editors."""
 
     spacing: float | None
     rock: str | Rock | Sequence[str | Rock]
@@ -105,7 +106,7 @@ class Changes(TypedDict, total=False):
 class Conditions(NamedTuple):
     """Everything besides the walls on which the closure of a joint depends, in SI.
 
-    Functions that close joints take these fields as keywords. They also take ``conditions``, an
+    Functions that simulate joints take these fields as keywords. They also take ``conditions``, an
     instance of which the keywords replace fields.
 
     Attributes
@@ -191,7 +192,10 @@ class Conditions(NamedTuple):
         }
 
     def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
-        """Check the conditions, and return them with both rocks, cycles and seating stress."""
+        """Return the conditions with both rocks, number of cycles and seating stress filled in.
+
+        Raise `InputError` if a condition, or a stress [Pa] of the snapshots, is not allowed.
+        """
         pair: tuple[Rock, Rock] = both_walls(self.rock)
         check_scene(self.effects)
         check_numerics(self.numerics)
@@ -233,7 +237,7 @@ class Conditions(NamedTuple):
 
 
 def check_named_stresses(stresses: Sequence[float], largest: float) -> None:
-    """Raise `InputError` for a stress [Pa] at which no loading up to the largest one is read."""
+    """Raise `InputError` unless stresses [Pa] are above 0 and at most the largest maximum [Pa]."""
     for stress in stresses:
         check_number("at", stress)
         if not 0.0 < stress <= largest:
@@ -244,7 +248,7 @@ def check_named_stresses(stresses: Sequence[float], largest: float) -> None:
 
 
 def _check_turns(load: Sequence[LoadCycle], tolerance: float) -> None:
-    """Raise `InputError` for a minimum [Pa] that a maximum may not exceed within the tolerance."""
+    """Raise `InputError` if a minimum and a maximum beside it may be equal within the tolerance."""
     for number, cycle in enumerate(load):
         minimum = cycle.minimum
         lowest = min(beside.maximum for beside in load[number : number + 2])
@@ -275,12 +279,29 @@ def model_attributes(
 
 takes_conditions = takes(Conditions)
 """Decorator of functions with the fields of `Conditions` as ``**changes``."""
+RESOLVED = Numerics(
+    breakage="resolved",
+    tolerance=0.02,
+    displacement_step=3e-6,
+    later_displacement_step=3e-6,
+    breakage_step=1e-6,
+    later_breakage_step=1e-6,
+)
+"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
+steps, from which resolved breakage starts, are short enough for smooth curves."""
+takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
+"""Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
+resolved unless numerics are given, and scans determine the spacing."""
 
 
 def conditions_from(
     conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
 ) -> Conditions:
-    """Return conditions with changed fields."""
+    """Return ``conditions`` with the fields ``changes``, or new conditions with these fields.
+
+    Raise `TypeError` for an unknown field, and for new conditions without rock, maximum stress or
+    one of the ``required`` fields. The message names the ``function``.
+    """
     needed = () if conditions else (*required, "rock", "max_normal_stress")
     inside = {"effects": Effects._fields, "choices": Choices._fields, "numerics": Numerics._fields}
     check_keywords(function, changes, Conditions._fields, needed, inside)

@@ -10,18 +10,22 @@ from jointclosure.joint.interpolation import cubic_over, rising_slopes
 from jointclosure.joint.status import LOADING
 
 LEVELS = 20
-"""Most intervals of stress of a table, from seating to the maximum."""
+"""Largest number of stress intervals in a table, from seating to the maximum."""
 _ROUND_DIGITS = 1.0, 2.0, 2.5, 5.0, 10.0  # first digits of a round interval of stress
 _APART = 0.25  # least distance of a round stress from the ends of a table, over the interval
 POINTS = 60
 """Intervals of stress by which the slope of a curve is computed."""
 _NEARLY = 1.01
-"""Largest stress over that of a branch at which it counts as reached: it is within the tolerance
-of a maximum."""
+"""A stress counts as reached by a branch up to this times the branch's largest stress, which is
+within the tolerance of a stated maximum."""
 
 
 def stress_levels(joint: xr.Dataset, count: int = LEVELS, cycle: int | None = None) -> np.ndarray:
-    """Return evenly spaced stresses [Pa] from the seating stress to the largest reached stress."""
+    """Return ``count`` evenly spaced stresses [Pa] from the seating stress to the largest stress.
+
+    The largest stress is that of the joint, or that of a ``cycle`` if this is clearly smaller. A
+    seating stress of 0 is left out.
+    """
     history = history_of(joint)
     seating = history.seating_stress
     largest = float(history.stress.max())
@@ -34,7 +38,10 @@ def stress_levels(joint: xr.Dataset, count: int = LEVELS, cycle: int | None = No
 
 
 def round_levels(low: float, high: float) -> np.ndarray:
-    """Return both stresses [Pa], a low one of 0 excepted, and multiples of a round one between."""
+    """Return two stresses [Pa] and the multiples of a round interval between them.
+
+    A low stress of 0 is left out. There are at most `LEVELS` intervals.
+    """
     least = (high - low) / LEVELS
     power = 10.0 ** np.floor(np.log10(least))
     sizes = (digits * power for digits in _ROUND_DIGITS)
@@ -45,10 +52,11 @@ def round_levels(low: float, high: float) -> np.ndarray:
 
 
 def table_levels(joint: xr.Dataset, at: Sequence[float] = ()) -> np.ndarray:
-    """Return the stresses [Pa] of `stress_table`: round ones from the seating stress to the stated
-    maximum, the maximum of every cycle, and those that are named, ``at``.
+    """Return the stresses (levels,) [Pa] of `stress_table`.
 
-    A joint that did not reach its maximum has its largest stress in place of it.
+    They are round stresses from the seating stress to the stated maximum, the maximum of every
+    cycle, and the stresses ``at``. If the joint did not reach the stated maximum, its largest
+    stress stands in place of it.
     """
     history = history_of(joint)
     reached = float(history.stress.max())
@@ -64,7 +72,11 @@ def table_levels(joint: xr.Dataset, at: Sequence[float] = ()) -> np.ndarray:
 def values_at_stresses(
     joint: xr.Dataset, values: np.ndarray, cycles: int, levels: np.ndarray, tolerance: float = 0.0
 ) -> np.ndarray:
-    """Read values of steps, such as closures, at stresses of both branches (cycles, 2, levels)."""
+    """Read values of steps (steps,), such as closures, at stresses (levels,) [Pa] of both branches.
+
+    The result (cycles, 2, levels) is NaN at stresses that a branch does not have. A stress beyond
+    the end of a branch by at most the relative ``tolerance`` is read at that end.
+    """
     history = history_of(joint)
     answer = np.full((cycles, 2, levels.size), np.nan)
     near = 1.0 + 1.01 * tolerance
@@ -80,9 +92,10 @@ def values_at_stresses(
 
 
 def closures_at(joint: xr.Dataset, levels: np.ndarray, of: str | np.ndarray = NET) -> np.ndarray:
-    """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
+    """Read the net closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
 
-    ``of`` is another variable of the steps, or their values (steps,).
+    ``of`` is another variable of the steps, or their values (steps,). Stresses that a branch does
+    not reach are NaN.
     """
     history = history_of(joint)
     values = history.along(of)
@@ -106,7 +119,11 @@ def closures_at(joint: xr.Dataset, levels: np.ndarray, of: str | np.ndarray = NE
 def secant_stiffness(
     joint: xr.Dataset, cycle: int, low: float, high: float, of: str = NET
 ) -> float:
-    """Compute the normal stiffness [Pa/m] of a loading by the chord between two stresses."""
+    """Compute the normal stiffness [Pa/m] of a loading by the chord between two stresses [Pa].
+
+    The chord ends at most at the largest stress of the loading and at its landing stress. NaN if
+    nothing is left of it, or if the closure ``of`` does not rise.
+    """
     history = history_of(joint)
     loading = history.branch(cycle, LOADING)
     if not loading.exists:
@@ -118,10 +135,11 @@ def secant_stiffness(
 
 
 def normal_stiffness(joint: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
-    """Compute the stiffness (cycles, 2, levels) [Pa/m] at stresses [Pa], which rises with them.
+    """Compute the normal stiffness (cycles, 2, levels) [Pa/m] at stresses (levels,) [Pa].
 
-    It is the slope of the concave curve nearest to the closure over stress, as that of the closure
-    itself goes up and down where contacts break; of another one beyond the former maximum.
+    The slope of the closure itself goes up and down where contacts break. The stiffness is
+    therefore that of the concave curve nearest to the closure ``of`` over stress, and rises with
+    stress. There is one such curve below the former maximum of a cycle, and another above it.
     """
     history = history_of(joint)
     fine = _fine_levels(joint, history, levels)
@@ -142,8 +160,10 @@ def normal_stiffness(joint: xr.Dataset, levels: np.ndarray, of: str = NET) -> np
 
 
 def _fine_levels(joint: xr.Dataset, history: History, levels: np.ndarray) -> np.ndarray:
-    """Return the stresses [Pa] between which slopes are computed: even ones over the range of the
-    table, former maxima, where the slope changes, and levels that are asked for beyond that range.
+    """Return the stresses [Pa] between which slopes are computed.
+
+    They are evenly spaced over the range of the table, with the former maxima, where the slope
+    changes, and those of the given levels that lie beyond that range.
     """
     first, last = table_levels(joint)[[0, -1]]
     formers = history.former_maxima

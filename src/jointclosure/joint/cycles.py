@@ -11,14 +11,18 @@ from jointclosure.joint.history import NET, Branch, History, history_of
 from jointclosure.joint.status import LOADING, UNLOADING
 
 CHORD_START = 0.5
-"""Stress over the maximum of the cycle from which the chord of the net stiffness is read."""
-_LOOP_ROUNDING = 1e-12  # closure of a loop over that of loading, below which it is rounding
+"""Stress at which the chord of the net stiffness starts, over the maximum of the cycle."""
+_LOOP_ROUNDING = 1e-12  # difference of closures over that of loading, up to which it is rounding
 
 
 def cycle_closures(
     joint: xr.Dataset, of: str = NET, minima: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """Compute the closures of each cycle (cycles,) [m]; NaN unless unloaded to its minimum [Pa]."""
+    """Compute the maximum and residual closures of each cycle (cycles,) [m], by name.
+
+    They are NaN in a cycle that was not unloaded to its minimum in ``minima`` (cycles,) [Pa]; by
+    default any unloading will do.
+    """
     history = history_of(joint)
     closure = history.along(of)
     minima = np.full(history.begun, np.inf) if minima is None else minima
@@ -36,7 +40,10 @@ def cycle_closures(
 
 
 def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
-    """Return the largest excess of unloading over loading at equal closure (cycles,) [Pa]."""
+    """Return the largest excess of unloading over loading at equal closure (cycles,) [Pa].
+
+    It is NaN in a cycle that was not unloaded to its minimum in ``minima`` (cycles,) [Pa].
+    """
     history = history_of(joint)
     excess = np.full(len(minima), np.nan)
     for index, cycle in history.unloaded_cycles(minima):
@@ -67,7 +74,7 @@ def _excess(history: History, loading: Branch, unloading: Branch) -> float:
 
 
 def hysteresis(joint: xr.Dataset) -> np.ndarray:
-    """Compute the share (cycles,) of each cycle's work of loading lost on unloading."""
+    """Compute the share (cycles,) of each cycle's work of loading that is lost on unloading."""
     history = history_of(joint)
     shares = np.full(joint.max_closure.size, np.nan)
     for index, cycle in history.unloaded_cycles(np.full(shares.size, np.inf)):
@@ -83,17 +90,17 @@ def _work(history: History, branch: Branch) -> float:
 
 
 def loop_between(loading: Any, unloading: Any) -> Any:
-    """Return closures of unloading less those of loading, both at the same stress."""
+    """Return closures of unloading less those of loading at the same stress, 0 within rounding."""
     loop = unloading - loading
     return loop * (abs(loop) > _LOOP_ROUNDING * abs(loading))
 
 
 def net_responses(joint: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return the net closures [m] of each cycle (cycles,), as laboratories report them, the net
-    stiffness [Pa/m], and the landing stress [Pa].
+    """Return the results of each cycle (cycles,) as laboratories report them, by name.
 
-    The stiffness is the chord of a loading from half of its maximum, or from a higher former
-    maximum. Results of a cycle that was not completed are NaN.
+    They are net closures [m], the net stiffness [Pa/m] and the landing stress [Pa]. The stiffness
+    is the chord of a loading from half of its maximum, or from a higher former maximum. Results of
+    a cycle that was not completed are NaN.
     """
     history = history_of(joint)
     closures = cycle_closures(joint)

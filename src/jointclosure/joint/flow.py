@@ -21,11 +21,12 @@ SIDES = ("closed", "periodic")
 """Sides along the flow: nothing passes, or what leaves at one enters at the other."""
 FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
 STATUSES = ("flows", "blocked", "not_solved", "at_least")
-"""Solved; inlet and outlet are not connected; not solved; `CLOSED` faces may pass some of it."""
+"""Solved; inlet and outlet are not connected; not solved; closed faces (`CLOSED`) may pass more."""
 
 CLOSED = 1e-14
-"""Share of all conductances of a cell below which a face is closed, as balances would be lost in
-rounding: an aperture of about 2e-5 of its neighbours'. `AT_LEAST` reports if it may matter."""
+"""Conductance of a face over the sum of those of its cell, up to which the face is closed, because
+balances would be lost in rounding. Its aperture is about 2e-5 of its neighbours'. If closed faces
+may matter, the status is `AT_LEAST`."""
 LARGEST_IMBALANCE = 1e-6
 """Largest sum of the cells' mass balances over the inflow for which a flow counts as solved."""
 
@@ -40,7 +41,10 @@ class Flow(NamedTuple):
 
 
 class _Network(NamedTuple):
-    """Conductances of faces between nodes (n,): cells (rows, columns) in C order, inlet, outlet."""
+    """Conductances (faces,) of the faces between pairs of nodes ``first`` and ``second`` (faces,).
+
+    Nodes (n,) are the cells of ``shape`` (rows, columns) in C order, inlet and outlet.
+    """
 
     first: np.ndarray
     second: np.ndarray
@@ -78,8 +82,10 @@ class _Network(NamedTuple):
 def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
     """Compute the flow from one side of a joint to the opposite one by finite volumes.
 
-    Faces have the harmonic mean of their cells' h^3, outer ones half a cell's resistance: exact if
-    apertures vary only along the flow, or only across it.
+    ``aperture`` (y, x) is h, in any unit. Inner faces have the harmonic mean of their cells' h^3,
+    outer ones the resistance of half a cell, which is exact if apertures vary only along the flow,
+    or only across it. Raise `InputError` unless the ``direction`` is in `DIRECTIONS` and the
+    ``sides`` are in `SIDES`.
     """
     for name, value, allowed in (("direction", direction, DIRECTIONS), ("sides", sides, SIDES)):
         if value not in allowed:
@@ -117,7 +123,7 @@ def largest_hydraulic(aperture: np.ndarray, direction: str) -> float:
 
 
 def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarray]:
-    """Return the faces that conduct, between cells (y, x) and to both sides; which are open."""
+    """Return the network of all faces that conduct, and which of them are open (see `CLOSED`)."""
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
     inlet = cells.size
@@ -143,7 +149,7 @@ def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarr
 
 
 def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> float:
-    """Return an upper bound of the flow through faces left out, for a pressure difference of 1."""
+    """Return an upper bound of the flow through closed faces, for a pressure difference of 1."""
     first, second, conductance, _ = left_out
     nodes = left_out.nodes
     if not first.size:
@@ -193,7 +199,7 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
 
 
 def _black(network: _Network, joined: np.ndarray) -> np.ndarray:
-    """Return the connected cells (n,) no two of which have a common face; never all of them."""
+    """Return the connected black cells (n,) of a chessboard: no two of them have a common face."""
     rows, columns = network.shape
     odd = (np.add.outer(np.arange(rows), np.arange(columns)) % 2).astype(bool)
     odd ^= odd.flat[np.argmax(joined[:-2])]

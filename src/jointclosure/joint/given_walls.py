@@ -14,7 +14,11 @@ _SAME_PLACE, _SAME_STEP = 1e-6, 1e-3
 
 
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the heights (y, x) [m] of two walls of one shape, as new arrays."""
+    """Return the heights (y, x) [m] of two walls of one shape, as new arrays.
+
+    Raise `InputError` if heights or shapes are not allowed, or coordinates are neither equal nor
+    in steps of the ``spacing`` [m].
+    """
     walls = []
     for name, wall in zip(("upper", "lower"), _aligned(upper, lower), strict=True):
         if spacing is not None and isinstance(wall, xr.DataArray):
@@ -56,7 +60,7 @@ def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None
 
 
 def _by_names(name: str, wall):
-    """Return a wall with dimensions (y, x), if it has dimensions of these names."""
+    """Return a wall with dimensions (y, x) in this order, if these are their names."""
     if isinstance(wall, xr.Dataset):
         raise InputError(
             f"{name}: is an xarray.Dataset of {', '.join(map(str, wall.data_vars))}; must be an "

@@ -1,4 +1,4 @@
-"""Load history of a joint, read once of its Dataset: cycles, branches, turning points, closures.
+"""Load history of a joint, read once from its Dataset: cycles, branches, turning points, closures.
 
 `history_of(joint)` is a view of a Dataset of `simulate` or `close`. It is an accessor of xarray,
 which makes it once for each Dataset. All values are in SI units.
@@ -22,13 +22,13 @@ loaded patch as a whole (docs/model.md, "Interaction")."""
 GROSS = "closure"
 """Gross closure, with that displacement."""
 KINDS = {"net": NET, "gross": GROSS}
-"""Closures by the words for them in names of columns."""
+"""Variables of closures, by the words for them in names of columns."""
 _ACCESSOR = "load_history"  # name of the accessor of xarray by which a history is cached
 _WHOLE_STEP = 0.999
-"""Closure over the displacement step from which a step is a whole one, and none of a landing."""
+"""Rise of closure over the displacement step from which a step is a whole one, not of a landing."""
 _LANDING_TOLERANCES = 3.0
-"""Tolerances of stress within which a maximum is that of an earlier cycle: each of the two is
-reached to within one tolerance, and one is added for rounding."""
+"""Number of stress tolerances within which two maxima count as equal: each of the two is reached
+to within one tolerance, and one is added for rounding."""
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,10 @@ class History:
 
     @cached_property
     def former_maxima(self) -> np.ndarray:
-        """Largest stated maximum (cycles,) [Pa] before each cycle that exceeds it; 0 if none does.
+        """Largest stated maximum (cycles,) [Pa] of the cycles before each one.
 
-        Beyond it the loading of the cycle crushes asperities again.
+        Beyond it the loading of the cycle crushes asperities again. It is 0 if the cycle does not
+        exceed it.
         """
         before = np.maximum.accumulate(np.append(0.0, self.maxima[:-1]))
         return np.where(self.maxima > before, before, 0.0)
@@ -182,7 +183,10 @@ class History:
                     yield (index, side), branch
 
     def unloaded_cycles(self, minima: np.ndarray) -> Iterator[tuple[int, Cycle]]:
-        """Generate index and cycle of those that were unloaded to a minimum (cycles,) [Pa]."""
+        """Generate index and cycle of the cycles that were unloaded to their minimum.
+
+        ``minima`` (cycles,) [Pa] are these stresses.
+        """
         for index, (cycle, minimum) in enumerate(zip(self.cycles, minima, strict=False)):
             whole = cycle.loading.exists and cycle.unloading.exists
             if whole and self.stress[cycle.unloading.steps[-1]] <= minimum:
@@ -229,8 +233,8 @@ class History:
     def landing_stresses(self) -> np.ndarray:
         """Stress (cycles,) [Pa] from which each loading lands on its maximum; infinite if none.
 
-        The paper's steps pass the maximum, and smaller ones lead back to it: closures beyond are
-        those of other steps than the ones before.
+        The paper's steps pass the maximum, and smaller steps then land on it. Closures beyond the
+        landing stress come from these smaller steps.
         """
         return np.array([self._landing_stress(cycle) for cycle in self.cycles])
 
@@ -256,7 +260,7 @@ def history_of(joint: xr.Dataset) -> History:
 
 
 def with_snapshots(joint: xr.Dataset, stresses: Any) -> xr.Dataset:
-    """Return a joint with the snapshots at some stresses [Pa] only, as if closed with these."""
+    """Return a joint with the snapshots at some stresses [Pa] only, as if simulated with these."""
     if len(stresses):
         return joint.isel(snapshot=joint.snapshot_stress.isin(stresses))
     states = [name for name in joint.variables if str(name).startswith("snapshot_")]

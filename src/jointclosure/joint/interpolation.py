@@ -12,13 +12,16 @@ LAST_CHORD = 0.15
 """Least part of the range of stress over which the last stiffness of a curve is read."""
 END_SLOPES = 0.5, 2.0
 """Least stiffness at the lower end of a curve, and largest at its upper end, over that of the
-nearest block of equal slope: an extrapolation by less than half of a block goes no further."""
+nearest block of equal slope. They limit the extrapolation from the middle of that block."""
 END_CHANGE = 0.5
 """Largest change of a monotone curve beyond its outer group of equal values, over their mean."""
 
 
 def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str = LOADING) -> float:
-    """Return the value where the stress (n,) [Pa] is first (unloading: last) at a level, or NaN."""
+    """Return the value where the stress (n,) [Pa] first reaches a level; NaN if it does not.
+
+    On unloading it is the last place at this level. Values are linear between steps.
+    """
     reached = np.flatnonzero(stress >= level)
     if reached.size == 0:
         return float("nan")
@@ -32,9 +35,10 @@ def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str =
 
 
 def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
-    """Return values (n,) as a monotone cubic of stress where that exceeds all before; or NaN.
+    """Return a function of stress [Pa], the monotone cubic through values (n,) at stresses (n,).
 
-    NaN also between two stresses of which one has an unknown value, NaN.
+    Points are used whose stress exceeds all before. The function is NaN outside their range, and
+    between two of them if one has an unknown value, NaN.
     """
     rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
     stress = stress[rises]

@@ -26,7 +26,7 @@ BENDS = 10.0
 
 At that ratio the curve is a tenth of the hyperbola, whose stiffness increases by a quarter over it.
 """
-_STRAIGHT = 1e3  # Vm of a hyperbola over the closure of a curve that does not bend as one does
+_STRAIGHT = 1e3  # largest Vm in a fit over the largest closure, for curves straighter than that
 FAILS = 0.05  # largest error of a law within its range, over the largest closure
 _COLUMNS = [
     *("cycle", "branch", "law", "parameter", "value", "standard_error"),
@@ -35,7 +35,11 @@ _COLUMNS = [
 
 
 class Law(NamedTuple):
-    """Names and units of parameters by column, closure(stress, seating, *parameters), and guess."""
+    """Names and units of the parameters of a law by column, with two functions of it.
+
+    They are closure(stress, seating, *parameters) [mm], and guess(stress, closure, seating) of the
+    parameters, for stresses in MPa.
+    """
 
     parameters: dict[str, tuple[str, str]]
     closure: Callable[..., np.ndarray]
@@ -80,7 +84,10 @@ LAWS = {
 
 
 def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Read stress [MPa], closure since seating [mm] by cycle and branch, none beyond a maximum."""
+    """Read stress (n,) [MPa] and net closure since seating (n,) [mm], by cycle and branch.
+
+    Loadings beyond a former maximum are left out, and branches that do not reach all stresses.
+    """
     history = history_of(joint)
     read = {}
     for index, cycle in enumerate(history.cycles):
@@ -91,7 +98,7 @@ def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.
             beyond = loads and history.former_maxima[index] > 0.0
             if beyond or not np.isfinite(closure).all():
                 continue
-            # without seating from where the branch begins, or where it ends on unloading
+            # without a seating stress: since the start of a loading, or the end of an unloading
             end = branch.steps[0 if loads else -1]
             start = closure[0] if history.seating_stress > 0.0 else history.net[end]
             read[cycle.number, branch.name] = 1e-6 * levels, 1e3 * (closure - start)
@@ -101,7 +108,7 @@ def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.
 def fitted_laws(
     joint: xr.Dataset, laws: Sequence[str] = tuple(LAWS), branches: Sequence[str] = BRANCHES
 ) -> pd.DataFrame:
-    """Fit laws by least squares of closure, for each cycle and branch."""
+    """Fit laws to each cycle and branch by least squares of closure; return a row per parameter."""
     seating = 1e-6 * history_of(joint).seating_stress
     rows = []
     for (cycle, branch), (stress, closure) in law_curves(joint).items():
@@ -117,10 +124,11 @@ def fitted_laws(
 
 
 def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
-    """Return parameters, their errors, and the quality of the fit of a law [MPa, mm].
+    """Fit a law to closures (n,) [mm] at stresses (n,) [MPa] since a seating stress [MPa].
 
-    Vm of a curve that does not bend is undetermined, and NaN: it exceeds `BENDS` times the largest
-    closure, or has a standard error that exceeds it.
+    Return its parameters, their standard errors, and the quality of the fit by column. All are NaN
+    if the law cannot be fitted. Vm of a curve that does not bend is undetermined, and NaN: it
+    exceeds `BENDS` times the largest closure, or has a standard error that exceeds it.
     """
 
     def predicted(stress: np.ndarray, *parameters: float) -> np.ndarray:
@@ -162,7 +170,7 @@ def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
 
 
 class BartonBandis(NamedTuple):
-    """Aperture a_j and largest closure V_m [m], initial stiffness K_ni [Pa/m]."""
+    """Law of Barton and Bandis: aperture a_j, largest closure V_m [m], initial stiffness [Pa/m]."""
 
     aperture: float
     largest_closure: float
@@ -180,7 +188,10 @@ class BartonBandis(NamedTuple):
         return BartonBandis(self.aperture, left, self.initial_stiffness * rise**2)
 
     def results(self, normal_stress: float, seating: float = 0.0) -> dict[str, float]:
-        """Return results [SI] of a loading to a stress [Pa] by the names of the model's."""
+        """Return the results of a loading to a stress [Pa], in SI, by the names of the model's.
+
+        The law counts from the ``seating`` stress [Pa].
+        """
         half, whole = self.closure(np.array([0.5, 1.0]) * normal_stress - seating)
         return {
             "kni_net": self.initial_stiffness,
@@ -239,10 +250,11 @@ def law_holds(jrc: float) -> bool:
 def barton_bandis(
     jrc: float, compressive_strength: float, strength_ratio: float, cycle: int
 ) -> BartonBandis:
-    """Return the constants of the law for a joint.
+    """Return the constants of the law for a joint in one of `CYCLES`.
 
-    Bandis, Lumsden & Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j = (JRC/5)(0.2 sigma_c/JCS -
-    0.1) mm, K_ni = -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as above.
+    ``compressive_strength`` is sigma_c [Pa], ``strength_ratio`` sigma_c/JCS. Bandis, Lumsden &
+    Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j = (JRC/5)(0.2 sigma_c/JCS - 0.1) mm, K_ni =
+    -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as for `_CONSTANTS`.
     """
     a, b, c, d = _CONSTANTS[cycle]
     wall_strength = compressive_strength / strength_ratio * 1e-6
@@ -253,10 +265,11 @@ def barton_bandis(
 
 
 class JointLaws(NamedTuple):
-    """Laws of a joint by cycle since its seating stress [Pa], of its JRC and JCS [Pa].
+    """Laws of Barton and Bandis of a joint by cycle, counted from the ``seating`` stress [Pa].
 
-    ``jrc`` and ``strength`` are those of the laboratory joint, of ``lab_length`` [m]. A
-    ``joint_length`` [m] is that of the joint of the laws, to which both are scaled.
+    ``jrc`` and ``strength`` are JRC and JCS [Pa] of the laboratory joint, of ``lab_length`` [m].
+    With a ``joint_length`` [m] the laws are those of a joint of this length, to which both are
+    scaled.
     """
 
     jrc: float
@@ -337,7 +350,9 @@ def laws_of_joint(
 ) -> JointLaws:
     """Return the laws of a joint of a strength [Pa] whose walls are not weathered.
 
-    With a ``joint_length`` [m] the JRC and JCS of the laboratory length are scaled to it.
+    They are those of its first ``cycles``, as far as there are constants, since the ``seating``
+    stress [Pa]; there are none where the law does not hold (`law_holds`). With a ``joint_length``
+    [m] the JRC and JCS of the laboratory length are scaled to it.
     """
     laws = JointLaws(jrc, strength, seating, {}, joint_length, lab_length)
     known = CYCLES[: cycles if law_holds(laws.scaled[0]) else 0]

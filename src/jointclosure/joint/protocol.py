@@ -31,9 +31,10 @@ Report = Callable[[int, str, float], None]
 
 _SMALLEST_STEP = 1e-6  # share of a step, or the closure if less, below which stresses may jump
 _FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
-"""Fewest cells in contact at the maximum, at a pressure of the strength, and largest stress over
-it, for leaving out the interaction. With 300 to 600 contacts means of second cycles moved by up to
-12 %; above that stress breakage takes nearly all of the time."""
+"""Bounds within which the interaction may be left out: fewest cells that carry the largest force at
+a pressure of the strength, and largest share of the grid that they make up. With 300 to 600
+contacts means of second cycles moved by up to 12 %; above that share breakage takes nearly all of
+the time."""
 _MOST_SECANTS = 2
 """Trials above the target in a row that are followed by a secant through the last two of them."""
 _MOST_BELOW = 3
@@ -42,7 +43,10 @@ A longer step from an earlier state may have broken other contacts, and left a h
 
 
 class Step(NamedTuple):
-    """One accepted point of the history; the walls' mean height [m] falls if material vanishes."""
+    """One accepted state of the history, with the mean sum of both walls' heights [m].
+
+    This mean falls only if material vanishes.
+    """
 
     cycle: int
     branch: str
@@ -51,8 +55,11 @@ class Step(NamedTuple):
 
 
 class StepRecord(NamedTuple):
-    """All accepted steps in order, status bits, total effort, replayed cycles, and steps without
-    interaction, which would displace no contact by more than ``idle_displacement`` of the closure.
+    """All accepted steps in order, status bits (`STATUSES`), and total effort.
+
+    ``replayed`` is the number of cycles that were not simulated but repeated. ``idle_steps`` is the
+    number of steps without interaction, which would have displaced no contact by more than
+    ``idle_displacement`` times the closure.
     """
 
     steps: list[Step]
@@ -115,13 +122,16 @@ class _Run:
         return force
 
     def control(self, step: float, former: float) -> StepControl | None:
-        """Return what selects the steps of a branch, given a step [m] and a former maximum [N]."""
+        """Return the `StepControl` of a branch; None with fixed steps.
+
+        ``step`` [m] is the configured one, ``former`` [N] the largest earlier maximum.
+        """
         if self.numerics.breakage != "resolved":
             return None
         return StepControl(self.numerics, step, self.target_force, former, self.seating_force)
 
     def is_idle(self, settled: Settled) -> bool:
-        """Return whether a state settled without interaction may be kept in the first loading."""
+        """Return whether a state settled without interaction may be kept, and count it if so."""
         displaced = self.joint.interaction_left_out() / settled.closure
         if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
             return False
@@ -152,10 +162,11 @@ def run_cycles(
     report: Report | None = None,
     observers: Sequence[Observer] = (),
 ) -> StepRecord:
-    """Load to a force [N] and unload to a lower one or to last contact, repeatedly.
+    """Load a joint to the maximum of each cycle and unload it to its minimum, both in N.
 
-    Net closures are read at the ``seating_force`` [N]: elastic histories have a
-    state there, and elastic branches of joints whose breakage is resolved near it.
+    Return the record of the steps. A minimum of 0 is last contact. The joint is left in its last
+    state. Net closures are read at the ``seating_force`` [N]: elastic histories have a state there,
+    and elastic branches of joints whose breakage is resolved have one near it.
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
         history = _elastic_cycles(joint, solver, numerics, cycles, seating_force)
@@ -250,7 +261,10 @@ def _show_elastic(joint, solver, history: StepRecord, observers: Sequence[Observ
 def _load(
     run: _Run, cycle: int, former: float, displacement_step: float, breakage_step: float
 ) -> None:
-    """Close by steps until the force passes the target, then approach it; former maximum [N]."""
+    """Load by steps [m] until the force passes the target, then land on it.
+
+    ``former`` is the largest earlier maximum [N].
+    """
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
     control = run.control(displacement_step, former)
@@ -302,10 +316,10 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     returned.
     """
     near = run.numerics.stress_tolerance * run.target_force
-    above = passed
-    further = passed
-    passed_again = 0
-    below_again = 0  # two states above the target
+    above = passed  # the last state above the target
+    further = passed  # the one above the target before it
+    passed_again = 0  # trials above the target in a row
+    below_again = 0  # trials below the target in a row
     by_fixed_steps = run.numerics.breakage == "fixed_step"
     while True:
         if above.total_force - run.target_force <= near:
@@ -355,7 +369,8 @@ def _is_exhausted(run: _Run, closure_above: float, displacement_step: float) -> 
 def _part_to_target(run: _Run, above, further, passed_again, below_again) -> float:
     """Return the share of the step from the last state below the target to the last above.
 
-    It is that of false position, with the halved forces of the Illinois method, after secants.
+    After the first trials above the target it is that of a secant through the last two of them,
+    otherwise that of false position, with forces halved as in the Illinois method.
     """
     missing = run.target_force - run.total_force
     beyond = above.total_force - run.target_force
@@ -388,7 +403,7 @@ def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: 
 
 
 def _unload(run: _Run, cycle: int, minimum: float) -> None:
-    """Open by steps; shorten the last one to end at the minimum or at last contact."""
+    """Unload by steps; shorten the last one to end at the minimum force [N] or at last contact."""
     step = run.numerics.later_displacement_step
     control = run.control(step, np.inf)
     while True:
@@ -467,7 +482,7 @@ def _mean_height(joint: Joint) -> float:
 
 
 def closure_limit(joint: Joint, target_force: float) -> float:
-    """Return a closure [m] that no joint exceeds: beyond it the target cannot be reached."""
+    """Return a closure [m] at which the joint has passed a target force [N], if it ever does."""
     summed = joint.upper + joint.lower
     per_cell = target_force / summed.size
     cells, _, _, compliance = joint.overlapping(float(np.ptp(summed)) + joint.first_touch)

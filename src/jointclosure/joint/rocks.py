@@ -32,7 +32,10 @@ ROCKS = {
 
 
 def named_rock(rock: str | Rock) -> Rock:
-    """Return the properties of a rock, which may be named as in `ROCKS`, in any case."""
+    """Return the properties of a rock, which may be a name of `ROCKS` in any case.
+
+    Raise `InputError` for any other name.
+    """
     if isinstance(rock, Rock):
         return rock
     known = matching(rock, ROCKS) if isinstance(rock, str) else None
@@ -48,7 +51,10 @@ def matching(name: str, known: Collection[str]) -> str | None:
 
 
 def both_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
-    """Return the rocks of the upper and the lower wall, given by names or properties; checked."""
+    """Return the rocks (upper, lower) of one rock or a pair, by names or properties.
+
+    Raise `InputError` for an unknown name or a property that is not allowed.
+    """
     several = isinstance(rock, tuple | list) and not isinstance(rock, Rock)
     given: Any = rock if several else (rock, rock)
     pair = [named_rock(wall) for wall in given]

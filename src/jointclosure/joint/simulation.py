@@ -126,7 +126,7 @@ def simulate(
     walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
-    return close_walls(*walls, conditions.checked(snapshots), report, snapshots, pristine)
+    return close_checked(*walls, conditions.checked(snapshots), report, snapshots, pristine)
 
 
 def close_walls(
@@ -138,10 +138,27 @@ def close_walls(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before."""
+    """Close two walls (y, x) [m] as `simulate`, and accept unusual values."""
+    walls = checked_walls(upper, lower, conditions.grid_spacing)
+    checked = conditions._replace(unusual_values=True).checked(snapshots)
+    return close_checked(*walls, checked, report, snapshots, pristine, solver_of)
+
+
+def close_checked(
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    report: protocol.Report | None = None,
+    snapshots: Sequence[float] = (),
+    pristine: Sequence[ArrayLike] | None = None,
+    solver_of: Callable[[str], Solver] = solver_named,
+) -> xr.Dataset:
+    """Close two walls (y, x) [m] as `simulate`; walls and conditions were checked before.
+
+    ``conditions`` are as `Conditions.checked` returns them, for these ``snapshots``. Here only is
+    checked what takes both: the heights against the steps, and the number of steps.
+    """
     spacing = conditions.grid_spacing
-    upper, lower = checked_walls(upper, lower, spacing)
-    conditions = conditions._replace(unusual_values=True).checked(snapshots)
     largest = float(conditions.largest_stress)
     load = conditions.load
     effects = conditions.effects

@@ -13,7 +13,10 @@ from jointclosure.solvers.joint import Joint
 
 
 def fields_of(joint: Joint, closure: float) -> tuple[np.ndarray, np.ndarray]:
-    """Compute overlap delta_S, negative if apart, and displacement by the others: (y, x) [m]."""
+    """Compute overlap delta_S and displacement by all other contacts, both (y, x) [m].
+
+    The overlap is negative where the walls are apart.
+    """
     if joint.interaction_acts:
         displacement = interaction_field(joint.influence, joint.force)
     else:
@@ -47,7 +50,10 @@ class _State(NamedTuple):
 
 
 class Snapshots:
-    """`Observer` that stores the joint where each branch first passes given stresses."""
+    """`Observer` that stores the joint where each branch first passes given stresses [Pa].
+
+    ``tolerance`` is relative, ``datums`` are added to the heights of (upper, lower) wall [m].
+    """
 
     def __init__(self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]):
         self._stresses = sorted({float(stress) for stress in stresses})

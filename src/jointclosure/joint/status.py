@@ -1,4 +1,4 @@
-"""Status bits and branches of a closed joint, apart from its computation: tables need no solver."""
+"""Status bits and branches of a simulated joint, in a module of their own without the solvers."""
 
 from typing import Any, NamedTuple
 

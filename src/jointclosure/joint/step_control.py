@@ -13,30 +13,37 @@ from jointclosure.solvers.joint import Joint, Settled
 
 _CORRECTION = 250.0  # allowed relative error of a step's predicted force, over the tolerance
 _VIRGIN, _LATER = (6.0, 45.0), (35.0, 175.0)
-"""Allowed change of force beyond the former maximum, and elsewhere: over the maximum and over the
-force, both over `Numerics.tolerance`. Longer steps crush too many asperities."""
+"""Allowed changes of force in a step, relative to the maximum and to the force, each over
+`Numerics.tolerance`: beyond the former maximum (virgin loading), and elsewhere. Longer steps crush
+too many asperities."""
 _MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
-"""Largest allowed changes at any tolerance; share of the maximum that is added to the force."""
+"""Largest allowed changes at any tolerance, relative to the maximum and to the force, and share of
+the maximum that is added to that force."""
 LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0  # over the configured step
 _AIM, _RETRY = 0.8, 0.4
-"""Target of the next step over what is allowed; share below which the step is repeated."""
-_MOST_LOST = 0.75  # most of a predicted rise of the force that breakage is expected to remove
+"""Change aimed at in the next step over the allowed change; ratio of the next step to the last one
+below which the last one is repeated."""
+_MOST_LOST = 0.75  # largest share of a predicted rise of force that breakage is expected to remove
 _RESIDUAL, _LOOSEST = 0.25, 0.04  # relative residual of a prediction over the rise, and bound
 _NEAR = 0.97  # target of a step that should reach the end of the loading, over the allowed rise
 _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
-"""If a shorter step has over the first share of the rise, the next is at most the second of it."""
+"""If a shortened step has more than the first share of the rise before, the next is at most the
+second share of it."""
 _MOST_SHORTENED = 4
 _NEAR_SEATING = 0.05
 """Share of the seating force by which a state of an elastic branch may miss it."""
 _BEFORE_READING, _PART = 0.85, 0.2
-"""Share of a force at which a virgin loading is read, from which on steps are shorter, and their
-allowed change over the usual one: forces go up and down, and longer steps miss the first peak."""
+"""Steps of a virgin loading are shorter from the first share of a force at which it is read; their
+allowed change is at least the second share of the usual one. Forces go up and down, and longer
+steps miss the first peak."""
 
 
 class StepControl:
-    """Selection of the steps [m] of one branch to a force [N]; virgin beyond a former one [N].
+    """Selection of the displacement steps [m] of one branch, with resolved breakage.
 
-    A branch that passes the seating force [N] without breakage has a state near it.
+    ``given`` is the configured step [m]. Loading to ``target_force`` [N] is virgin beyond
+    ``former``, the largest earlier maximum [N]; infinity stands for unloading. A branch that passes
+    the seating force [N] without breakage has a state near it.
     """
 
     def __init__(
@@ -58,7 +65,10 @@ class StepControl:
         self._broke = False  # in the last step
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
-        """Return the step [m], shortened if necessary, before anything breaks in it."""
+        """Return a step [m] from a force [N], shortened until its predicted rise is allowed.
+
+        ``predict(step, residual)`` returns the force [N] after a step before anything breaks.
+        """
         seated = self._broke or force >= (1.0 - _NEAR_SEATING) * self._seating
         missing = (self._target if seated else min(self._seating, self._target)) - force
         smallest = self._smallest
@@ -89,7 +99,7 @@ class StepControl:
         return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
-        """Return the next step [m] that the error of the last one, from a force [N] on, allows."""
+        """Return the step [m] to follow one from a force [N] to a settled state, by its error."""
         rise = settled.total_force - force
         self._slope = rise / step
         self._lost = 0.0
@@ -102,20 +112,26 @@ class StepControl:
         return self.after(step, force, rise, settled.correction / allowed)
 
     def after(self, step: float, force: float, change: float, missed: float = 0.0) -> float:
-        """Return the step [m] after a ``change`` of force [N]; ``missed`` error over allowed."""
+        """Return the step [m] at a force [N] after a step [m] with a ``change`` of force [N].
+
+        ``missed`` is the error of that step over the allowed error.
+        """
         factor = _AIM / max(missed, change / self._most_change(force), 0.01)
         longer = step * min(max(factor, 0.25), 2.0)
         return min(max(longer, self._smallest), self._largest)
 
     def step_to_seating(self, step: float, force: float, left: float) -> float:
-        """Return the step [m] of unloading, shortened if it passes the seating force [N]."""
+        """Return the step [m] of unloading, shortened if it passes the seating force.
+
+        With it the force falls from ``force`` to ``left`` [N].
+        """
         least, most = ((1.0 + side * _NEAR_SEATING) * self._seating for side in (-1.0, 1.0))
         if left >= least or force <= most or step <= self._smallest:
             return step
         return max((force - self._seating) / (force - left) * step, self._smallest)
 
     def _most_change(self, force: float) -> float:
-        """Return the change of the force [N] that a step from a force [N] may have."""
+        """Return the largest allowed change of force [N] of a step from a force [N]."""
         virgin = self._former <= force and self._former < self._target
         rise, steepest = (self._tolerance * change for change in (_VIRGIN if virgin else _LATER))
         faint = force + _FAINT * self._target
@@ -128,7 +144,7 @@ class StepControl:
 
 
 def must_repeat(step: float, following: float) -> bool:
-    """Return whether a step was so long that it must be repeated, by the one that follows."""
+    """Return whether a step is so much longer than the following one that it must be repeated."""
     return following < _RETRY * step
 
 
@@ -142,7 +158,11 @@ _ELASTIC_STEPS = 10.0  # steps of an elastic history over `Numerics.most_steps`:
 
 
 def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int) -> None:
-    """Refuse a simulation that needs more steps than `Numerics` allows."""
+    """Raise `InputError` for a simulation that would take too many steps.
+
+    It needs more displacement steps than `Numerics` allows, or a stress [Pa] above the strength of
+    all cells together.
+    """
     steps, closure = displacement_steps(joint, numerics, max_normal_stress, cycles)
     if steps > numerics.most_steps:
         least = numerics.displacement_step * steps / numerics.most_steps
@@ -173,7 +193,7 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
 
 
 def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
-    """Refuse an elastic history of more steps than memory holds."""
+    """Raise `InputError` for an elastic history of more steps than memory holds."""
     steps = 2.0 * cycles * numerics.curve_points
     if steps > _ELASTIC_STEPS * numerics.most_steps:
         raise InputError(
@@ -188,8 +208,8 @@ def displacement_steps(
 ) -> tuple[float, float]:
     """Estimate the displacement steps of a history and the closure of its first loading [m].
 
-    The closure is the elastic one, or that at which enough cells carry the stress at their
-    strength, if it is larger; later branches are elastic.
+    The closure is the elastic one, or `crushed_closure` if that is larger. Later branches count as
+    elastic.
     """
     reach = float(np.ptp(joint.upper + joint.lower))
     cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
@@ -207,8 +227,9 @@ def displacement_steps(
 def crushed_closure(joint: Joint, numerics: Numerics, target: float) -> float:
     """Return a closure [m] below which too few cells are in contact for a force [N].
 
-    The n cells that it takes at the largest strength of a cell lie at one level if the highest are
-    crushed, and gouge does not raise it above their mean height.
+    It takes at least n cells, each with the largest strength of a cell, to carry the force. If the
+    n highest are crushed to one level, gouge does not raise this level above their mean height. The
+    closure is 0 if the strength of a cell is not bounded.
     """
     strengths = cell_strengths(joint, numerics) if joint.effects.breakage else None
     if strengths is None:
@@ -220,7 +241,7 @@ def crushed_closure(joint: Joint, numerics: Numerics, target: float) -> float:
 
 
 def cell_strengths(joint: Joint, numerics: Numerics) -> np.ndarray | None:
-    """Return the force [N] that each cell (y, x) carries unlocked at most; None if unbounded."""
+    """Return the largest force [N] of each cell (y, x) that is not locked; None if unbounded."""
     law = joint.law
     flattest = np.maximum(2.0 * law.least_curvature, law.filling)[joint.peaks]
     if not flattest.all():
@@ -231,7 +252,10 @@ def cell_strengths(joint: Joint, numerics: Numerics) -> np.ndarray | None:
 
 
 def largest_strength(joint: Joint, numerics: Numerics) -> float:
-    """Return the stress [Pa] that all cells together carry unlocked, at the largest radii."""
+    """Return the largest stress [Pa] that all cells together carry, if none is locked.
+
+    It is infinite unless breakage is resolved with gouge and the strength of cells is bounded.
+    """
     strengths = cell_strengths(joint, numerics)
     resolved = numerics.breakage == "resolved" and joint.effects.gouge
     if not resolved or strengths is None:

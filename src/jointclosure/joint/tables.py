@@ -152,8 +152,9 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
 
 
 def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
-    """Add the transmissivity of every hydraulic aperture and bound of it in `stress_table`, or in
-    its bands, by `TRANSMISSIVITIES`.
+    """Return a `stress_table` with the transmissivity of every hydraulic aperture in it.
+
+    Bounds and bands of the aperture have theirs too (`TRANSMISSIVITIES`).
     """
     added = {}
     for name, transmissivity in TRANSMISSIVITIES.items():

@@ -1,6 +1,6 @@
-"""Compilation of kernels by one process before parallel processes, which need them, start.
+"""Compilation of kernels by one process, before parallel processes start that need them.
 
-Two that compile into an empty cache at the same time can store each other's machine code.
+Two processes that compile into an empty cache at the same time can store each other's machine code.
 """
 
 import logging
@@ -45,7 +45,7 @@ def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[li
 
 @lru_cache(maxsize=None)
 def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: Any) -> None:
-    """Close a small joint, to compile the kernels of an entry of `kernels_of`, or load them."""
+    """Simulate a small joint to compile the kernels of an entry of `kernels_of`, or load them."""
     effects = scene_of(scene)
     choices = Choices(peaks=peaks, strength_bound=bound)
     joint: dict[str, Any] = {"spacing": 0.25e-3, "rock": Rock(78e9, 0.2, 165e6), "effects": effects}

@@ -1,4 +1,4 @@
-"""Closure, stiffness, and the share that stays, of a measured curve and of simulated joints."""
+"""Closure, stiffness, and residual closure, of a measured curve and of simulated joints."""
 
 import math
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from jointclosure.statistics.standard_errors import CONFIDENCE
 
 
 class Quantity(NamedTuple):
-    """Quantity that is read of a measured curve, or of simulated joints."""
+    """Quantity that is read from a measured curve, or from simulated joints."""
 
     name: str  # in words
     unit: str
@@ -68,8 +68,9 @@ def intervals(
 ) -> Iterator[tuple[Quantity, np.ndarray, np.ndarray]]:
     """Generate measured quantities with the ends (nodes,) of the 95 % interval of one more joint.
 
-    ``joints`` are readings (nodes, joints, n) at neighbouring constants, whose scatter is pooled:
-    that of logarithms where all are positive, as what is recovered is of a share that stays.
+    ``joints`` are readings (nodes, joints, n), whose scatter is pooled over neighbouring nodes,
+    ``error`` is the relative error of the measured ones. The scatter is that of logarithms where
+    all values are positive. For a share of closure that stays, it is that of the recovered share.
     """
     both = (quantities(values, measured, error) for values in (joints, measured.values))
     for simulated, one in zip(*both, strict=True):

@@ -1,8 +1,8 @@
 """Likelihood of mismatch wavelength, and strength, from a measured closure curve.
 
-Joints of a rock and roughness are closed at mismatch wavelengths from mated to independent walls,
-and at several strengths if these are fitted too. A measured curve is one draw of them: its readings
-are compared with the mean and the scatter of theirs.
+Joints of a rock and roughness are simulated at mismatch wavelengths from mated to independent
+walls, and at several strengths if these are fitted too. A measured curve is one draw of them: its
+readings are compared with the mean and the scatter of theirs.
 """
 
 import itertools
@@ -90,9 +90,10 @@ class Likelihood(NamedTuple):
         return int(i), int(j)
 
     def nodes(self, place: Sequence[int], counts: Sequence[int]) -> tuple[int, int]:
-        """Return the closed wavelength and strength next to a ``place`` on the likelihood's grid.
+        """Return the simulated node next to a ``place`` on the finer grid of the likelihood.
 
-        ``counts`` are the numbers of closed wavelengths and strengths.
+        Both are indices of (wavelength, strength). ``counts`` are the numbers of wavelengths and
+        strengths at which joints were simulated.
         """
         i, j = (
             round(at / max(fine - 1, 1) * (count - 1))
@@ -118,7 +119,11 @@ class Likelihood(NamedTuple):
 
 
 def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
-    """Read a measured curve, whose cycles must be 1, 2, ... to one largest stress."""
+    """Return the readings of a measured curve, whose closure counts from a seating stress [Pa].
+
+    Raise `InputError` unless its cycles are 1, 2, ... to the same largest stress, and closures
+    increase on loading and decrease on unloading.
+    """
     cycles = curve.cycles
     if cycles != list(range(1, len(cycles) + 1)):
         raise InputError(f"cycles {cycles}: must be 1, 2 and so on without gaps")
@@ -167,7 +172,7 @@ def _reading_errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
 
 
 def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: float) -> list[str]:
-    """Describe how a curve was read, and warn where its readings scatter more than stated."""
+    """Return sentences on how a curve was read, with a caution if it scatters more than stated."""
     sentences: list[str] = []
     if (starts := np.flatnonzero(curve.line[1:] == curve.line[:-1]) + 1).size:
         lines = ", ".join(str(line) for line in curve.line[starts])
@@ -228,7 +233,7 @@ def _history_of_curve(curve: MeasuredCurve) -> xr.Dataset:
 
 
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
-    """Return the same readings of a simulated joint, net of bulk indentation; NaN if missing."""
+    """Return the readings ``asked`` (n,) [m] of the net closure of a joint, NaN if missing."""
     stresses = np.append(asked.seating, asked.levels)
     return readings_of_closures(closures_at(history, stresses), stresses, asked)
 
@@ -258,7 +263,10 @@ def logs_of(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.n
 
 
 def joints_needed(nodes: tuple[int, ...], readings: int) -> int:
-    """Return the least number of joints for a fit, over numbers of wavelengths and strengths."""
+    """Return the least number of joints for a fit of some readings.
+
+    ``nodes`` are the numbers of wavelengths and strengths.
+    """
     varied = nodes[0] > 1, nodes[1] > 1
     return 3 * (_polynomial_terms(np.zeros((1, 2)), varied).shape[1] + readings)
 
@@ -272,11 +280,15 @@ def likelihood_of(
 ) -> Likelihood:
     """Compute the likelihood of a measured curve from readings of simulated joints.
 
-    The mean of the log readings is a polynomial of the logarithms of wavelength (cubic) and
-    strength (quadratic), fitted to all joints. The scatter about it, of surfaces, is the covariance
-    of the residuals, pooled over neighbouring wavelengths by a Gaussian weight as wide as their
-    distance. The measured curve is one more draw, so that its distance has a multivariate t
-    distribution (synthetic likelihood with an estimated covariance).
+    ``simulated`` (wavelengths, strengths, joints, readings) are logarithms of readings, NaN for
+    failed joints. ``error`` is the relative error of the measured ones. The mean of the log
+    readings is a polynomial of the logarithms of wavelength (cubic) and strength (quadratic),
+    fitted to all joints. Surfaces scatter about it with the covariance of the residuals, pooled
+    over neighbouring wavelengths by a Gaussian weight as wide as their distance. The measured curve
+    is one more draw, so that its distance has a multivariate t distribution (synthetic likelihood
+    with an estimated covariance).
+
+    Raise `InputError` if there are too few joints.
     """
     x = _scaled_logarithms(wavelengths)
     y = _scaled_logarithms(strengths)

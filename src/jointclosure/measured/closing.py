@@ -1,4 +1,4 @@
-"""Joints that are closed beside a measured curve, and kept in a folder."""
+"""Joints that are simulated for comparison with a measured curve, and kept in a folder."""
 
 import math
 import tempfile
@@ -14,7 +14,7 @@ import xarray as xr
 from jointclosure.execution.cache import Entry, make_missing
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
@@ -28,12 +28,11 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 from jointclosure.uncertainty.variants import coarser
 from jointclosure.walls import shifted
 
-CHECKED = 4  # nearest joints that are closed by a finer tolerance too, for the numerical error
-FINER = 5.0  # tolerance over that finer one
+CHECKED = 4  # nearest joints that are simulated with a finer tolerance too
+FINER = 5.0  # tolerance over the finer one
 ADVICE = "check rock, roughness, roll-off, size and units"
 """Advice where no joint is like the measured one."""
 
@@ -48,8 +47,9 @@ class Later(NamedTuple):
 class Joints(NamedTuple):
     """Joints of all wavelengths, ``strengths`` [Pa] and ``laters`` beside a curve.
 
-    ``conditions`` are those of the first cycle. Joints of neighbouring wavelengths, strengths and
-    surfaces are ``strides`` numbers apart, on which their walls depend.
+    ``conditions`` are those of the first cycle. The walls of a joint depend on its number; the
+    numbers of neighbouring wavelengths, strengths and surfaces are ``strides`` apart. ``cache`` is
+    the folder in which joints are kept, None if they are not.
     """
 
     asked: AskedJoints
@@ -63,13 +63,17 @@ class Joints(NamedTuple):
 
     @property
     def stresses(self) -> np.ndarray:
-        """Stresses [Pa] at which joints are read: those of a curve, and those read of it."""
+        """Stresses [Pa] at which joints are read: evenly spaced ones, and those of the readings."""
         measured = self.asked.measured
         even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
         return np.unique(np.concatenate([even, measured.levels]))
 
     def check(self, strengths: Sequence[float]) -> None:
-        """Raise `InputError` for conditions of strengths, walls, and fewer joints than needed."""
+        """Raise `InputError` if the joints cannot be simulated or fitted.
+
+        This is so if the conditions with one of the strengths [Pa] or the walls are not allowed, or
+        if there are fewer surfaces than the curve needs.
+        """
         asked = self.asked
         for strength in strengths:
             for later in self.laters:
@@ -84,7 +88,7 @@ class Joints(NamedTuple):
             raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
 
     def closures(self) -> np.ndarray:
-        """Close all joints; return closures [m] at `stresses`, NaN for joints that failed.
+        """Simulate all joints; return closures [m] at `stresses`, NaN for joints that failed.
 
         They are (laters, wavelengths, strengths, surfaces, cycles, 2, stresses), with loading and
         unloading along the last axis but one.
@@ -98,10 +102,11 @@ class Joints(NamedTuple):
         return closures.transpose(2, 1, 3, 0, 4, 5, 6)
 
     def _close_missing(self, places: Sequence[tuple[int, int]], strength: int = 0) -> np.ndarray:
-        """Close what is not kept; closures (joints, laters, strengths, cycles, 2, stresses) [m].
+        """Simulate joints that are not kept yet, and return the closures [m] of all.
 
-        ``places`` are those of wavelength and surface, ``strength`` is that of the first strength.
-        A joint that failed has NaN.
+        They are (places, laters, strengths, cycles, 2, stresses), NaN for a joint that failed.
+        ``places`` are indices of wavelength and surface, ``strength`` is that of the first
+        strength.
         """
         asked = self.asked
         conditions = self.conditions
@@ -161,7 +166,7 @@ class Joints(NamedTuple):
 
 
 def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Describe `numerical_changes`, if there are any."""
+    """Return a sentence on `numerical_changes`, if there are any."""
     if not changes:
         return []
     texts = (
@@ -173,7 +178,10 @@ def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
 
 
 def changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
-    """Return the conditions of a strength, and of loadings after the first."""
+    """Return conditions with a compressive strength [Pa] and the crushed strength of ``later``.
+
+    The crushed-strength ratio is multiplied by that of ``later``, whose shift is not used.
+    """
     rock = conditions.rock._replace(compressive_strength=strength)
     ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
     choices = conditions.choices._replace(crushed_strength_ratio=ratio)
@@ -192,9 +200,10 @@ def close_surface(
     scans: Any,
     report: Any,
 ) -> xr.Dataset:
-    """Close one surface at each strength, and then in each way that may follow its first loading.
+    """Simulate one surface at each strength, and each of ``laters`` after its first loading.
 
-    ``numbered`` are the strengths [Pa] by the numbers of the joints.
+    ``numbered`` are the strengths [Pa] by the numbers of the joints. Return net closures [m] at the
+    stresses [Pa], (later, strength, cycle, branch, stress), NaN for loadings that failed.
     """
     levels = np.array(stresses)
     once_cycles = 1 if tuple(laters) != (Later(),) else cycles

@@ -68,7 +68,7 @@ class MeasuredCurve(NamedTuple):
         """Return the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
-    def ascending(self, cycle: int) -> dict[str, logs.Branch]:
+    def ascending(self, cycle: int) -> dict[str, logs.MeasuredBranch]:
         """Return loading and unloading of a cycle, both in ascending order of stress.
 
         Dense logs whose values scatter are averaged (`jointclosure.measured.logs.averaged`).
@@ -95,7 +95,7 @@ class MeasuredCurve(NamedTuple):
         return MeasuredCurve(*(column[here] for column in self))
 
     def since_seating(self, cycle: int, seating_stress: float):
-        """Return (branch, stress [Pa], closure [m]) of a cycle, with closure since its seating."""
+        """Generate branch, stress (n,) [Pa] and closure since seating (n,) [m] of a cycle."""
         branches = self.branches(cycle)
         zero = crossing(*branches[LOADING], seating_stress)
         for branch, (stress, closure) in branches.items():
@@ -221,9 +221,10 @@ def _parsed_columns(
 
 
 def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
-    """Number the loadings of a curve of one cycle; the point between two belongs to both.
+    """Return a curve of one cycle with its loadings as cycles; points between two belong to both.
 
-    A later loading that closes the joint further than the first is probably of another specimen.
+    Raise `InputError` for a later loading that closes the joint further than the first: it is
+    probably of another specimen.
     """
     ends = [0, *logs.troughs(curve.stress), curve.stress.size - 1]
     parts = [np.arange(start, end + 1) for start, end in itertools.pairwise(ends)]
@@ -245,7 +246,10 @@ def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
 
 
 def _place_of_header(lines: Sequence[TableLine], names: Sequence[str] | None) -> int:
-    """Return the place of the header, below what may stand above the table; 0 if none is seen."""
+    """Return the place of the header among lines, 0 if none is recognised.
+
+    Other text may stand above it.
+    """
     if names and all(map(str.isdecimal, names)):
         return _place_above_numbers(lines, [int(number) - 1 for number in names])
     for place, line in enumerate(lines):
@@ -345,10 +349,10 @@ def _area_of_unit(unit: str, area: float | None, what: str, of_study: bool) -> f
 def _check_preamble(
     every: Sequence[TableLine], body: Sequence, name: str, what: str, unit: str, in_heading: bool
 ) -> None:
-    """Refuse lines above the rows that state other units than that of a column.
+    """Raise `InputError` for a line above the rows that states another unit than that of a column.
 
-    Numbers with a unit, such as the capacity of a load cell, are none. A column with a unit in its
-    heading is not contradicted by the unit of another quantity.
+    Numbers with a unit, such as the capacity of a load cell, do not count. A column with a unit in
+    its heading is not contradicted by the unit of another quantity.
     """
     kind = CLOSURE_UNITS if unit in CLOSURE_UNITS else STRESS_UNITS | FORCE_UNITS
     about = "closure|displacement" if unit in CLOSURE_UNITS else "stress|load|force"
@@ -370,7 +374,7 @@ def _check_preamble(
 def _check_one_table(
     header: list[str], body: Sequence, name: str, mark: str | None, has_cycles: bool
 ) -> None:
-    """Refuse rows that are no rows of the table, and curves of several specimens."""
+    """Raise `InputError` for rows that are not of the table, and curves of several specimens."""
     apart = "curves of several specimens must be in files of their own"
     for number, cells in body:
         at = f"{name}, line {number}"
@@ -428,7 +432,7 @@ def _quantities_of_columns(header: list[str], where: str, names: Sequence[str] |
 
 
 def _quantity_of_heading(cell: str) -> str:
-    """Return the quantity of a column by its heading, with what stands in the place of its unit."""
+    """Return the quantity of a column by its heading, the last word of which may be any unit."""
     name = heading_of(cell).name
     before = name.rpartition("_")[0]
     name = before if name not in _ALIASES and before in (*_ALLOWED, *_ALIASES) else name
@@ -445,7 +449,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _cells(line: str, mark: str | None) -> list[str]:
-    """Return the cells of a line; decimal commas, which a mark other than "," allows, as points."""
+    """Return the cells of a line. Unless the mark is a comma, decimal commas become points."""
     split = line.split() if mark is None else next(csv.reader([line], delimiter=mark))
     cells = [cell.strip() for cell in split]
     if mark == ",":
@@ -472,7 +476,7 @@ _OF_SCATTER = 5.0
 
 
 def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Check a curve, for all that read one: order and number of loadings, signs and sizes.
+    """Raise `InputError` if a curve has a wrong order or number of loadings, wrong signs or sizes.
 
     Each cycle must have one loading, from at or below seating [Pa], on which closure increases.
     """
@@ -516,7 +520,7 @@ def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
 
 
 def _check_sizes(curve: MeasuredCurve, name: str) -> None:
-    """Check that numbers are finite, compression is positive, and sizes are those of joints."""
+    """Raise `InputError` unless numbers are finite, compression is positive, and sizes usual."""
     sizes = [np.shape(column) for column in curve]
     if len(set(sizes)) > 1 or len(sizes[0]) != 1 or sizes[0] == (0,):
         raise InputError(

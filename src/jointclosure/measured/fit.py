@@ -11,6 +11,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.agreement import intervals
 from jointclosure.measured.calibration import (
     Interval,
@@ -26,10 +27,9 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.standard_errors import percent, significant
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
-WAVELENGTHS = 8  # mismatch wavelengths at which joints are closed
-STRENGTHS = 4  # strengths at which joints are closed, if they are fitted
+WAVELENGTHS = 8  # mismatch wavelengths at which joints are simulated
+STRENGTHS = 4  # strengths at which joints are simulated, if they are fitted
 STRENGTH_RANGE = (0.5, 2.0)
 """Range of fitted strengths, over the given strength."""
 DOUBTFUL = 0.01
@@ -115,7 +115,7 @@ class Fit(NamedTuple):
         return [*lines, f"valid only for the assumed joint: {self.assumed}"]
 
     def agreements(self) -> list[Agreement]:
-        """Compare closure, stiffness and what stays with single joints, each by itself."""
+        """Return at which values of the parameter single joints have each measured quantity."""
         axis = int(self.scanned)
         logs = self.simulated.logs
         likelihood = self.likelihood
@@ -143,7 +143,7 @@ class Fit(NamedTuple):
         return [each.name for each in self.agreements() if each.first_loading and each.missed]
 
     def _agreement_sentences(self) -> list[str]:
-        """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
+        """Describe at which wavelengths, or strengths of scanned walls, joints have a quantity."""
         likelihood = self.likelihood
         what, tried, scale, unit = (
             ("mismatch wavelengths", likelihood.wavelengths, 1e3, "mm"),
@@ -164,7 +164,7 @@ class Fit(NamedTuple):
         return lines
 
     def _unexplained_caution(self, missed: list[str]) -> str:
-        """Warn that the model does not explain the curve."""
+        """Return the caution that the model does not explain the curve."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
         text = (

@@ -91,7 +91,7 @@ def heading_of(cell: str) -> Heading:
 
 
 def _name_and_end(text: str) -> tuple[str, str, str]:
-    """Return the name, the unit at its end, and what stands at its end and is another unit."""
+    """Return the name, the unit at its end, and any text there that is no allowed unit."""
     words = re.findall(r"[^\s_,;:]+", text)
     if len(words) == 1:
         before, slash, behind = words[0].partition("/")

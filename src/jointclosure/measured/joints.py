@@ -1,4 +1,4 @@
-"""Joints that are closed beside a measured curve, as `fit` and `validate` are asked for them."""
+"""Joints that are simulated for comparison with a measured curve, as arguments state them."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -24,10 +24,10 @@ from jointclosure.parameters import (
 )
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
-from jointclosure.uncertainty.scanned_joint import Wall, registered_walls
 from jointclosure.walls import shifted
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
+from jointclosure.walls.wall_files import Wall, registered_walls
 
 SPACING = 0.25e-3
 """Usual grid spacing of random walls [m]."""
@@ -45,7 +45,11 @@ class SimulatedWalls(NamedTuple):
     digest: str = ""
 
     def pair(self, number: int, wavelength: float, scans: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Make the walls of a joint, from the ``scans`` displaced by up to a cell along x and y."""
+        """Return the walls of a joint by its number.
+
+        They are random, of a mismatch wavelength [m], or the ``scans`` displaced by up to a cell
+        along x and y.
+        """
         if self.digest:
             cells = generator(seed_of(self.seed, "shift", number)).integers(-1, 2, 2).tolist()
             return shifted(scans, cells)
@@ -58,7 +62,7 @@ class SimulatedWalls(NamedTuple):
 
 
 class MeasuredJoint(NamedTuple):
-    """Joint of a measured curve, and the joints that are closed beside it.
+    """Joint of a measured curve, and the joints that are simulated for comparison with it.
 
     Functions that compare a curve with simulated joints take these fields as keywords.
 
@@ -128,7 +132,7 @@ class MeasuredJoint(NamedTuple):
 
 
 class JointKeywords(TypedDict, total=False):
-    """Fields of `MeasuredJoint` as keywords, for checkers of types and editors."""
+    """Fields of `MeasuredJoint` as keywords, for type checkers and editors."""
 
     rock: Required[str | Rock]
     jrc: float | tuple[float, float] | None
@@ -154,10 +158,10 @@ class JointKeywords(TypedDict, total=False):
 
 
 class AskedJoints(NamedTuple):
-    """A measured curve, and the joints that are closed beside it.
+    """A measured curve, and the joints that are simulated for comparison with it.
 
-    ``wavelengths`` (n,) [m] of the mismatch of random walls; of scanned ones that of the ``pair``,
-    whose walls are ``scans``.
+    ``wavelengths`` (n,) [m] are the mismatch wavelengths of random walls. For scanned walls there
+    is one, that of the ``pair``, whose walls are ``scans``.
     """
 
     joint: MeasuredJoint
@@ -170,7 +174,7 @@ class AskedJoints(NamedTuple):
     scans: tuple[np.ndarray, np.ndarray] | None
 
     def assumed(self, strengths: Sequence[float]) -> str:
-        """Describe the joints, of strengths [Pa] or between two."""
+        """Describe the joints, which have one strength [Pa] or those between two."""
         rock = self.rock
         roll_off = self.walls.roll_off
         spacing = self.walls.spacing
@@ -206,7 +210,11 @@ def asked_joints(
     wavelengths: int,
     first_loading: bool = False,
 ) -> AskedJoints:
-    """Read a curve and check the joint that is stated by `JointKeywords` of a function."""
+    """Read a curve, and check the joint that the keywords of a ``function`` state.
+
+    ``wavelengths`` is the number of mismatch wavelengths of random walls. Raise `InputError` if the
+    curve or a value is not allowed, `TypeError` for an unknown keyword or no rock.
+    """
     check_keywords(function, stated, MeasuredJoint._fields, ["rock"])
     given = MeasuredJoint(**stated)
     pair = given.pair
@@ -262,7 +270,7 @@ def _jrc_range(jrc: Any) -> tuple[float, float]:
 def _read_curve(
     curve: str | Path | MeasuredCurve, given: MeasuredJoint, first_loading: bool
 ) -> tuple[MeasuredCurve, Readings]:
-    """Return a checked curve, which may have to be read from its file, and its readings."""
+    """Return a curve, read from its file if need be and checked, and its readings."""
     name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
     if not isinstance(curve, MeasuredCurve):
         if not Path(curve).is_file():
@@ -293,7 +301,7 @@ def _read_curve(
 
 
 def _cells_of_joint(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:
-    """Return the cells of the simulated joints, which may be stated by the length of their side."""
+    """Return the cells (y, x) of the simulated joints, of a stated side or ``shape``."""
     check_positive("spacing", spacing, "m")
     if given.size is not None:
         check_positive("size", given.size, "m")

@@ -2,8 +2,8 @@
 
 A log has its points in the order of measurement, so that the number of a point is free of error,
 while stress and closure both scatter. Neighbouring points are therefore averaged by their number:
-the means lie on the curve, which the points that exceed all former stresses do not, as they are
-those whose error of stress is positive.
+the means lie on the curve. Points that exceed all former stresses do not, because they are those
+with a positive error of stress.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,8 @@ _STEPS_OVER_NOISE = 30.0
 _FEWEST = 8
 """Least number of means of a branch, unless these have too few points."""
 _OF_END = 3.0
-"""Distance of an end from the mean before it, over its standard error, if it is not held."""
+"""Distance of an end from the mean before it, over its standard error, beyond which the stress was
+not held there."""
 _SPIKE = 0.2  # least size of a spike over the range of values; chosen
 _OF_NEIGHBOURS = 5.0  # the same over the changes before and after it; chosen
 _DENSE = 200
@@ -34,7 +35,7 @@ _MOST_SMOOTHED = 50
 """Least number of points over those of a moving average."""
 
 
-class Branch(NamedTuple):
+class MeasuredBranch(NamedTuple):
     """Points (n,) of a branch in ascending order of stress [Pa] and closure [m].
 
     ``points`` are the numbers of measured points in each; ``errors`` (n,) the standard error of
@@ -62,7 +63,7 @@ def exceeds_former(values: np.ndarray) -> np.ndarray:
 def scatter_of(values: np.ndarray) -> float:
     """Estimate the standard deviation of values (n,) about a smooth curve from their curvature.
 
-    That of values that a log holds in steps is at least that of the rounding to a step.
+    If the log has values in steps, it is at least that of the rounding to a step.
     """
     if values.size < LEAST_POINTS:
         return 0.0
@@ -124,12 +125,12 @@ def spikes(values: np.ndarray) -> np.ndarray:
     return np.flatnonzero((apart > largest) & (apart > _OF_NEIGHBOURS * beside))
 
 
-def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
+def averaged(stress: np.ndarray, closure: np.ndarray) -> MeasuredBranch:
     """Return a branch, in ascending order of stress, averaged where it is dense and scatters.
 
     The means are evenly spaced along the curve, at distances that exceed their standard error.
     """
-    plain = Branch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
+    plain = MeasuredBranch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
     if stress.size < LEAST_POINTS or not (_is_scattered(stress) or _is_scattered(closure)):
         return plain
     group = _group_numbers(stress, closure)
@@ -159,7 +160,7 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> Branch:
     errors = np.sqrt(scipy.ndimage.median_filter(spread, min(9, spread.size), mode="nearest"))
     ends = np.where(np.isin(centres, (0, order[-1])), 2.0, 1.0)  # of a straight line at its end
     scatter = float(np.std(misses[0])), float(np.std(misses[1]))
-    return Branch(means[0], means[1], points, ends * errors / np.sqrt(points), scatter)
+    return MeasuredBranch(means[0], means[1], points, ends * errors / np.sqrt(points), scatter)
 
 
 def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:

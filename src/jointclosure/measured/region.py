@@ -1,11 +1,10 @@
 """Mechanisms and constants of a joint that are compatible with all loadings of a measured curve.
 
-A mechanism acts between the first loading and the later ones. For each of its constants, each
-strength, and each mismatch wavelength of random walls, joints are closed. A point is compatible
-where a joint of it would be as far from the mean of its joints as the measured one, or farther,
-with a probability of at least 5 %: Hotelling's distance of all readings, whose covariance is that
-of the surfaces, of the measurement and of the numerical error
-(`jointclosure.measured.calibration.likelihood_of`).
+A mechanism acts between the first loading and the later ones. Joints are simulated for each of its
+constants, each strength, and each mismatch wavelength of random walls. Such a point is compatible
+if the probability is at least 5 % that one of its joints is as far from their mean as the measured
+joint, or farther. The distance is Hotelling's over all readings, with the covariance of surfaces,
+measurement and numerical error (`jointclosure.measured.calibration.likelihood_of`).
 """
 
 import math
@@ -19,6 +18,7 @@ import pandas as pd
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.agreement import intervals
 from jointclosure.measured.calibration import (
     Likelihood,
@@ -32,15 +32,14 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.parameters import Numerics, Rock
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
-from jointclosure.uncertainty.scanned_joint import RESOLVED
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)
 """Usual numerics: their error is below the scatter of joints, and counts."""
-WAVELENGTHS = 6  # mismatch wavelengths at which joints are closed
-STRENGTHS = 4  # strengths at which joints are closed
+WAVELENGTHS = 6  # mismatch wavelengths at which joints are simulated
+STRENGTHS = 4  # strengths at which joints are simulated
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
-NEITHER = "neither"  # name of what has no mechanism between the loadings
+NEITHER = "neither"  # name of loadings without a mechanism between them
 
 
 class Mechanism(NamedTuple):
@@ -62,7 +61,7 @@ MECHANISMS = {
 
 
 def mechanism_of(later: Later) -> str:
-    """Return the name of the mechanism of what follows the first loading."""
+    """Return the name of the mechanism by which later loadings differ from the first."""
     acts = (name for name, one in MECHANISMS.items() if getattr(later, one.field) != one.none)
     return next(acts, NEITHER)
 
@@ -83,7 +82,7 @@ class Region(NamedTuple):
     reading: Sequence[str] = ()  # sentences on how the curve was read
 
     def joints_of(self, mechanism: str) -> dict[Later, Likelihood]:
-        """Return the joints of a mechanism, by its constant: first those without any."""
+        """Return the likelihoods of a mechanism by its constant, first that without a mechanism."""
         wanted = NEITHER, mechanism
         return {
             later: self.compared[later] for later in self.compared if mechanism_of(later) in wanted
@@ -95,7 +94,7 @@ class Region(NamedTuple):
         return list(dict.fromkeys(map(mechanism_of, self.compared)))
 
     def nearest(self, mechanism: str) -> tuple[int, int, int]:
-        """Return the place of least distance: number in `joints_of`, wavelength and strength."""
+        """Return the place of least distance: indices of `joints_of`, wavelength and strength."""
         p_values = self.p_values(mechanism)
         number, i, j = np.unravel_index(int(p_values.argmax()), p_values.shape)
         return int(number), int(i), int(j)
@@ -105,7 +104,7 @@ class Region(NamedTuple):
         return np.stack([joints.p_values for joints in self.joints_of(mechanism).values()])
 
     def table(self) -> pd.DataFrame:
-        """Return the compatible range of each constant by mechanism, NaN where none is."""
+        """Return the compatible range of each constant by mechanism, NaN if there is none."""
         rows: list[dict[str, Any]] = []
         for mechanism in self.mechanisms:
             kinds = self.joints_of(mechanism)
@@ -153,7 +152,7 @@ class Region(NamedTuple):
         return self.p_value(mechanism) >= 1.0 - CONFIDENCE
 
     def place(self, mechanism: str) -> tuple[int, int, int]:
-        """Return the tried constants next to `nearest`: place in `closures` of the first axes."""
+        """Return the tried constants next to `nearest`: indices of the first axes of `closures`."""
         number, *places = self.nearest(mechanism)
         later, joints = list(self.joints_of(mechanism).items())[number]
         kind = list(self.compared).index(later)
@@ -193,7 +192,7 @@ class Region(NamedTuple):
 
 
 def _formatted_range(row: Any) -> str:
-    """Format the compatible range of a constant, and whether it ends where the tried range does."""
+    """Format the compatible range of a constant, and whether it ends at the tried range."""
     low, high = (f"{end:.3g}" for end in (row.low, row.high))
     unit = "" if row.unit == "1" else f" {row.unit}"
     if row.low == row.tried_low and row.high == row.tried_high:
@@ -295,7 +294,10 @@ def validate(
 def _tried_laters(
     shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
 ) -> tuple[Later, ...]:
-    """Return all that is tried after the first loading; the first of it changes nothing."""
+    """Return the changes that are tried after the first loading, first no change.
+
+    Raise `InputError` if a shift or a ratio is not allowed.
+    """
     for shift in shifts:
         check_number("shifts", shift)
         if not (float(shift).is_integer() and 1 <= shift <= columns - 8):
@@ -314,7 +316,7 @@ def _tried_laters(
 
 
 def _strength_range(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:
-    """Return the checked ends of the range of strengths [Pa]."""
+    """Return the ends of the range of strengths [Pa]; raise `InputError` for an invalid range."""
     if strengths is None:
         low, high = (factor * rock.compressive_strength for factor in RANGE)
         return low, high

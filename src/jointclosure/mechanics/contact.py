@@ -3,7 +3,8 @@
 The paper prints a cubic, Eq. (13), with the wrong sign under its root. Here the force is the
 unknown, A F + B F^(2/3) = delta_S, with the compliance A of the substrates and B of the asperities:
 one positive root for every delta_S > 0, regular for A = 0 or B = 0. See
-docs/decisions.md#0001-contact-cubic.
+docs/decisions.md#0001-contact-cubic. In the functions below ``substrate`` is A [m/N] and
+``asperity`` B [m N^(-2/3)].
 """
 
 import math
@@ -26,10 +27,10 @@ _ROOT_OF_4 = 1.5874010519681996
 def cube_root(x):
     """Compute x^(1/3), x >= 0, so that the result for 8^k x is exactly 2^k times as large.
 
-    A joint scaled by a power of 64 therefore breaks identically. The mantissa m, from 1/2 to 1, has
-    the start u(m) and the step of third order u (u^3 + 2 m) / (2 u^3 + m) of the GNU C library
-    (s_cbrt.c, version 2.36), correct to one unit in the last place. Written out they have the same
-    bits with every library, and no call.
+    A joint scaled by a power of 64 therefore breaks identically. For the mantissa m, from 1/2 to 1,
+    the start u(m) and the step of third order u (u^3 + 2 m) / (2 u^3 + m) are those of the GNU C
+    library (s_cbrt.c, version 2.36). The result is correct to one unit in the last place. Because
+    they are written out, it has the same bits with every library, and there is no call.
     """
     bits = np.float64(x).view(np.int64)
     if not 0 < bits >> 52 < 2047:  # zero, subnormal, infinite or NaN
@@ -83,8 +84,8 @@ def overlap_of_force(force, substrate, asperity):
 def force_of_overlap(overlap, substrate, asperity):
     """Compute the force F [N] of one contact and dF/d(delta_S) [N/m], Eqs. (10) to (12).
 
-    There is no contact unless the overlap delta_S [m] is positive. Both are infinite for a rigid
-    contact, with compliances A = B = 0, which callers refuse. With t = F^(1/3), f(t) =
+    Both are 0 unless the overlap delta_S [m] is positive. Both are infinite for a rigid contact,
+    with compliances A = B = 0, which callers refuse. With t = F^(1/3), f(t) =
     A t^3 + B t^2 - delta_S is convex for t > 0 and has one root. The roots without one of the two
     terms are upper bounds; Newton's method converges monotonically from there, in at most five
     steps.
@@ -99,7 +100,11 @@ def force_of_overlap(overlap, substrate, asperity):
 
 @kernel
 def root_bound(overlap, substrate, asperity, guess):
-    """Return an upper bound of F^(1/3), and whether it is the root; a poor guess is not used."""
+    """Return an upper bound of F^(1/3), and whether it is the root.
+
+    The bound is one Newton step from ``guess``, an estimate of the root or 0. If that step is long,
+    or there is no guess, the bound is the root with one of the two terms alone.
+    """
     if not overlap > 0.0:
         return 0.0, True
     if guess > 0.0 and asperity > 0.0:
@@ -116,14 +121,14 @@ def root_bound(overlap, substrate, asperity, guess):
 
 @kernel
 def newton_root(overlap, substrate, asperity, t):
-    """Compute one Newton step for F^(1/3), see `force_of_overlap`."""
+    """Return the estimate of F^(1/3) one Newton step after ``t``, see `force_of_overlap`."""
     excess = (substrate * t + asperity) * t * t - overlap
     return t - excess / ((3.0 * substrate * t + 2.0 * asperity) * t)
 
 
 @kernel
 def shorter_root(overlap, substrate, asperity, t):
-    """Do a Newton step from an upper bound of F^(1/3); return it and whether it is the root."""
+    """Return an upper bound of F^(1/3) one Newton step below ``t``, and whether it is the root."""
     shorter = newton_root(overlap, substrate, asperity, t)
     falls = shorter < t
     # after so small a step the next one would change at most the last digit

@@ -20,22 +20,22 @@ class ContactLaw(NamedTuple):
     before this loading) + 2 x (upper cell is a soft peak) + (lower cell is a soft peak).
     """
 
-    spacing: float
-    base_radius: float
-    least_curvature: float
+    spacing: float  # h [m]
+    base_radius: float  # r [m]
+    least_curvature: float  # of a wall [1/m], the inverse of the largest radius; 0 without one
     concave: float  # weight of the curvature of a concave profile: 1 as a convex one, or 0
     substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
     substrate: float  # compliance A [m/N], 0 without substrate
     asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
     critical_indentation: np.ndarray  # q = delta_break/R_a, Eq. (22)
     breaking_force: np.ndarray  # 4/3 E_a* q^(3/2) [Pa]
-    filling: np.ndarray  # curvature at which a contact at strength fills its base [1/m], or 0
+    filling: np.ndarray  # curvature [1/m] below which the base bounds the strength; 0: no bound
 
 
 def contact_law(
     spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
 ) -> ContactLaw:
-    """Compute the constants of the contact law of both walls on a grid of this spacing [m]."""
+    """Compute the contact law of the rocks (upper, lower) on a grid of this spacing [m]."""
     moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
     ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
     softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]

@@ -2,6 +2,8 @@
 
 The eight neighbours of a cell are in the order (-1,-1) (-1,0) (-1,1) (0,-1) (0,1) (1,-1) (1,0)
 (1,1) of (y, x) offsets. One outside the grid has infinite height, so that it receives no gouge.
+These functions are for one pair of cells, as the reference solver calls them. The default solver
+has the same equations for batches of pairs in `jointclosure.solvers.pair_batch`.
 """
 
 import math
@@ -20,7 +22,10 @@ def upper_share(upper_curvature, lower_curvature):
 
 @kernel
 def passed_share(share, total_upper, total_lower):
-    """Return the upper wall's share if a wall without lower neighbours passes its share on."""
+    """Return the upper wall's share, 0 or 1 if one wall's cell has no lower neighbour.
+
+    ``total_upper`` and ``total_lower`` are the sums of the drops of both walls' cells [m].
+    """
     if total_upper == 0.0:
         return 0.0
     if total_lower == 0.0:
@@ -30,14 +35,17 @@ def passed_share(share, total_upper, total_lower):
 
 @kernel
 def fall(here, there, tie_tolerance):
-    """Return the height difference to a neighbour if it is lower, otherwise 0 [m]."""
+    """Return the drop [m] to a neighbour if it exceeds the tie tolerance [m], otherwise 0."""
     drop = here - there
     return drop if drop > tie_tolerance else 0.0
 
 
 @kernel
 def drops(height, neighbours, tie_tolerance, out):
-    """Compute height differences (8,) [m] to lower neighbours, 0 for others: sum and smallest."""
+    """Set ``out`` (8,) to the drops to lower neighbours [m], 0 for others; return sum and smallest.
+
+    The smallest is that of the lower neighbours, infinite if there are none.
+    """
     least = math.inf
     for k in range(8):
         out[k] = fall(height, neighbours[k], tie_tolerance)
@@ -48,9 +56,11 @@ def drops(height, neighbours, tie_tolerance, out):
 
 @kernel
 def shed(neighbours, loss, differences, total, least):
-    """Distribute the loss [m] of a cell on its lower neighbours (8,), in proportion to the drop.
+    """Add the loss [m] of a cell to the heights of its neighbours (8,) [m], in place.
 
-    Return the loss, limited so that no neighbour is raised above the lowered cell.
+    Each receives a part in proportion to its drop in ``differences`` (8,) [m], whose sum is
+    ``total`` and whose smallest is ``least``. Return the loss, limited so that no neighbour is
+    raised above the lowered cell.
     """
     if loss * (total + least) > least * total:
         rate = least / (total + least)

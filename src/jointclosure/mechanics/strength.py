@@ -1,4 +1,8 @@
-"""Strength of one pair of asperities, Eqs. (21) to (23)."""
+"""Strength of one pair of asperities, Eqs. (21) to (23).
+
+These functions are for one pair, as the reference solver calls them. The default solver has the
+same equations for batches of pairs in `jointclosure.solvers.pair_batch`.
+"""
 
 import math
 
@@ -31,12 +35,12 @@ def critical_indentation(pressure_limit, asperity_modulus):
 
 @kernel
 def bounded_strength(curvature, critical, filling):
-    """Return the curvature [1/m] and q by which the strength of a contact is computed.
+    """Return the curvature [1/m] and q with which the strength of a contact is computed.
 
-    They are its own, unless strength is bounded and its curvature below ``filling`` [1/m], at which
-    the contact at strength fills its base: the force is then at most that at this curvature, and
-    delta_break = q/filling (kappa/filling)^(1/3), as the indentation by a force goes with
-    kappa^(1/3). ``filling`` is 0 without a bound.
+    They are ``curvature`` and ``critical`` unless the curvature is below ``filling`` [1/m], at
+    which the contact fills its base when it breaks. The force at breakage is then bounded by that
+    at the curvature ``filling``: delta_break = q/filling (kappa/filling)^(1/3), as the indentation
+    by a given force goes with kappa^(1/3). ``filling`` is 0 without a bound.
     """
     if curvature >= filling:
         return curvature, critical

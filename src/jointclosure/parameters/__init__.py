@@ -357,7 +357,7 @@ def check_numerics(numerics: Numerics) -> None:
 
 
 def _check_when_made(settings: type[NamedTuple], check: Callable[[Any], None]) -> None:
-    """Have instances of a named tuple checked when they are made by its name."""
+    """Make the constructor of a named tuple check each instance."""
     make = settings.__new__
 
     @wraps(make)

@@ -14,11 +14,11 @@ from jointclosure.inputs import InputError, check_number, check_positive
 SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
 """Units that a configuration may use, in SI."""
 _LIKELY = "MPa", "GPa", "mm", "um"
-"""Units that values in SI, which they are not, are probably in, the likeliest first."""
+"""Units in which values that should be in SI were probably given, the likeliest first."""
 
 
 def unit_meant(value: float, low: float, high: float, unit: str) -> str:
-    """Ask for the unit in which a value [SI] outside of usual ones was probably given."""
+    """Return the question whether a value [SI] outside the usual range has another unit."""
     for name in _LIKELY if unit in ("Pa", "m") else ():
         size = SI_FACTORS[name]
         if name.endswith(unit) and low <= value * size <= high:
@@ -96,7 +96,7 @@ def bounds_of(interval: str) -> dict[str, float]:
 
 
 def check_inside(name: str, value: Any, interval: str, reason: str = "") -> None:
-    """Raise `InputError` unless a value is a number in an interval, which has a reason."""
+    """Raise `InputError`, with the ``reason``, unless a value is a number in an interval."""
     check_number(name, value)
     if not all(getattr(operator, sign)(value, end) for sign, end in bounds_of(interval).items()):
         raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
@@ -124,7 +124,10 @@ def name_and_unit(key: str) -> tuple[str, str]:
 
 
 def to_si(settings: dict) -> dict:
-    """Convert settings with unit suffixes in their keys to SI under names without suffixes."""
+    """Convert settings with unit suffixes in their keys to SI under names without suffixes.
+
+    Raise `InputError` if a value with a unit is no number, or does not fit in double precision.
+    """
     converted: dict = {}
     for key, value in settings.items():
         name, unit = name_and_unit(key)
@@ -149,7 +152,7 @@ def _si_value(key: str, value: float, unit: str) -> float:
 
 
 def in_unit(value: float, unit: str) -> float | int:
-    """Return a value in SI in a unit ("1" for none), in short form: 78 for 78e9 in GPa."""
+    """Convert a value in SI to a unit ("1" for none), in short form: 78 for 78e9 in GPa."""
     shown = (
         _times_power_of_ten(value, -_power_of_unit(unit)) if unit in SI_FACTORS else float(value)
     )

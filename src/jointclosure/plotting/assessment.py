@@ -60,10 +60,10 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
 def draw_effects(
     axes: Axes, without: pd.DataFrame, within: float, shown: pd.DataFrame | None = None
 ) -> str:
-    """Draw changes [%] without effects, hollow of gross closure, on the request [%] as a band.
+    """Draw changes [%] without effects, on the request [%] as a band; return words on the scale.
 
-    The axis is that of all rows ``shown`` in a figure, by default of these; words on its scale are
-    returned.
+    Marks of gross closure are hollow. The axis has the range of all rows ``shown`` in a figure, by
+    default of these.
     """
     names = list(dict.fromkeys(without.variant))
     axes.axvspan(-within, within, color="0.9", lw=0.0, zorder=0)

@@ -83,7 +83,10 @@ def range_figure(budget: Budget, title: str) -> Figure:
 
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
-    """Draw stress against closure on axes, each cycle in its colour, unloading dashed."""
+    """Draw stress against the closure ``of`` on axes, a colour for each cycle, unloading dashed.
+
+    Closure counts ``since`` first "touch", "seating", or the start of the "cycle".
+    """
     history = history_of(closed)
     values = history.along(of)
     seating = history.seating_stress

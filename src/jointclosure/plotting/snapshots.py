@@ -106,7 +106,7 @@ def change_of_height(closed: xr.Dataset) -> np.ndarray:
 
 
 def reach_of(values: np.ndarray) -> float:
-    """Return the 99.5 % quantile of the values that are not 0, to ignore a few outliers."""
+    """Return the 99.5 % quantile of the values above 0, to ignore outliers; 1 without any."""
     some = values[values > 0.0]
     return float(np.quantile(some, 0.995)) if some.size else 1.0
 

@@ -80,7 +80,10 @@ def above(cycle: int, branch: str) -> float:
 
 
 def decimal_ticks(*logarithmic: Axis, **locator) -> None:
-    """Label axes by decimal numbers: at 1, 2 and 5, 1 and 3, or 1, by their length."""
+    """Label logarithmic axes by decimal numbers, at 1, 2 and 5 of each decade.
+
+    Longer axes have labels at 1 and 3, or at 1 alone.
+    """
     for axis in logarithmic:
         low, high = axis.get_view_interval()
         places = {"subs": (1.0, 2.0, 5.0)} | locator

@@ -153,7 +153,7 @@ def profile_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
 
 
 def _draw_increments(axes, distances: np.ndarray, rms: dict[str, np.ndarray]) -> None:
-    """Draw RMS height differences over distances [m], as of `increments`, and their Hurst law."""
+    """Draw RMS height differences [m] over distances [m], both from `increments`, with a law."""
     distances = 1e3 * distances
     kinds = {"": ("o", "of two heights"), "second_": ("^", "second differences")}
     for prefix, (marker, words) in kinds.items():

@@ -1,18 +1,21 @@
 """Breakage until rest at fixed closure and fixed interaction.
 
 An overstressed pair is lowered until it holds, has lost contact or is locked, and its gouge is
-distributed on its neighbours. From the waiting pairs, `BATCH` at a time, the overstressed ones
-break up to `_MOST_PASSES` steps in a row and are written back; they and overlapping neighbours then
-wait. When no pair waits, all overlapping pairs are checked again, until nothing breaks.
+distributed on its neighbours. Waiting pairs are examined `BATCH` at a time. The overstressed ones
+break up to `_MOST_PASSES` steps in a row and are written back. Their overlapping neighbours then
+wait, and so do they if they may break again. When no pair waits, all overlapping pairs are checked
+again, until nothing breaks.
 
 With fixed steps a pair that holds is checked again only when the approach has grown to where it
-will break, or walls within two cells of it have changed; its stress ratio is proportional to its
-overlap. What is known lasts from call to call (`WorkSpace`), and changes no result.
+will break, or walls within two cells of it have changed. That approach follows from the overlap
+ratio, the overlap over that at breakage. It is kept from call to call (`WorkSpace`), which
+changes no result.
 
 Resolved breakage also walks through a step in short steps, with the growth of the approach known
-beforehand. A pair that holds is examined again when its overlap, which grows evenly, reaches its
-strength, or when walls within two cells of it have changed: a short step in which nothing breaks
-costs nothing. What exceeds its strength at the end of the step is left to the equilibrium there.
+beforehand. A pair that holds is examined again when its overlap, which grows evenly, reaches that
+at breakage, or when walls within two cells of it have changed: a short step in which nothing breaks
+costs nothing. Pairs that exceed their strength only at the end of the step are left to the
+equilibrium there.
 
 The model does not prescribe the order of breakage (docs/decisions.md#0006-order-of-breakage).
 Resolved breakage lowers all waiting pairs from the same walls, and then adds up what each has lost
@@ -39,10 +42,10 @@ from jointclosure.solvers.pair_batch import (
     Rules,
     assess,
     batch_memory,
+    copy_pair,
     fixed_losses,
     gather,
     measure_drops,
-    move_pair,
     returning_losses,
     scatter,
     share_losses,
@@ -55,10 +58,10 @@ _MARGIN = 2
 _COLOURS = 9
 """Colours of fixed steps: cells three apart in both directions, which share no neighbours."""
 _NEAR = 1e-9
-"""Relative distance of an overlap from that at which a pair breaks, below which it is checked:
-much more than rounding of the stress ratio, so that what is known to hold changes no result."""
+"""Relative distance of a pair's overlap from that at breakage below which the pair is checked. It
+is much more than the rounding of the overlap ratio, so that skipping pairs changes no result."""
 _ROUNDING = 1e-14
-"""The same distance for rounding of the overlap, over the heights that are summed to it."""
+"""Rounding of an overlap, relative to the heights and the approach of which it is the sum."""
 _MOST_PASSES = 4
 """Largest number of consecutive steps of one pair before it waits for its next turn."""
 
@@ -77,28 +80,15 @@ class Cells(NamedTuple):
 class Due(NamedTuple):
     """Cells to examine at the end of each short step, as one linked list for each of these moments.
 
-    ``moment`` is by cell, 0 for none; ``first`` is the first cell of each list, -1 for none;
-    ``after`` and ``before`` are the neighbours of a cell in its list.
+    ``moment`` (cells,) is the moment at which each cell is due, 0 for none. ``first`` (moments,) is
+    the first cell of each list, -1 for none. ``after`` and ``before`` (cells,) are the neighbours
+    of each cell in its list.
     """
 
     moment: np.ndarray
     first: np.ndarray
     after: np.ndarray
     before: np.ndarray
-
-
-class Walk(NamedTuple):
-    """Place in a step of closure that is walked through in short steps (resolved breakage).
-
-    ``growth`` is that of the approach [m] in the whole step, by cell; ``due`` what is to be
-    examined at later moments; ``moment`` the number of short steps that are done, and ``left`` the
-    share of the step that is to come.
-    """
-
-    growth: np.ndarray
-    due: Due
-    moment: int
-    left: float
 
 
 class Turns(NamedTuple):
@@ -117,14 +107,14 @@ class WorkSpace(NamedTuple):
     turns: Turns
     holds_to: np.ndarray  # approach [m] up to which a cell's pair is known to hold, or -infinity
     following: np.ndarray  # new walls (2, cells) [m] of pairs that break together
-    taken: np.ndarray  # cells of the list that is worked off; at its start those that broke
+    taken: np.ndarray  # cells of the list in work, overwritten from the start by broken ones
     some: np.ndarray  # cells of the pairs in the batch
     batch: np.ndarray  # (1,), see `Batch`
 
 
 @kernel
 def padded(field, outside):
-    """Return a field (y, x) with a margin around it, as one flat array."""
+    """Return a field (y, x) with a margin of the value ``outside``, as one flat array."""
     ny, nx = field.shape
     stride = nx + 2 * _MARGIN
     flat = np.full((ny + 2 * _MARGIN) * stride, outside)
@@ -151,9 +141,9 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
     """Return the largest forces (n,) [N] that contacts at cells (n,) carry (resolved breakage).
 
     ``curvature`` (n,) [1/m] and ``compliance`` (n,) [m N^(-2/3)] are those of the contacts, the
-    other parameters those of `breakage_kernel`. The strength is exceeded by half of the ``band``.
-    It is infinite for contacts without strength: flat ones, and with ``gouge`` those whose gouge
-    has no lower neighbour.
+    other parameters those of `breakage_kernel`. The force is that at 1 + band/2 times the overlap
+    at breakage. It is infinite for contacts that do not break: flat ones without a bound of
+    strength, and with ``gouge`` those without a lower neighbour on either wall.
     """
     nx = upper.shape[1]
     around = np.empty(8)
@@ -184,7 +174,10 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
 
 @kernel
 def colour_map(ny, nx, count):
-    """Return colours (y, x): cells of one of `_COLOURS` are three apart in both directions."""
+    """Return the colours (y, x) of cells, from 0 to ``count`` - 1.
+
+    With `_COLOURS` colours the cells of one are three apart in both directions; with 1 all are 0.
+    """
     colours = np.empty((ny, nx), np.int64)
     for y in range(ny):
         for x in range(nx):
@@ -236,7 +229,7 @@ def work_space(shape: tuple[int, int], resolved: bool) -> WorkSpace:
 
 @kernel
 def forget(holds_to, cell, reach, stride):
-    """Forget what is known to hold of the pairs within ``reach`` cells of a changed cell."""
+    """Set ``holds_to`` of the pairs within ``reach`` cells of a changed cell to unknown."""
     for row in range(-reach, reach + 1):
         for near in range(cell + row * stride - reach, cell + row * stride + reach + 1):
             holds_to[near] = -math.inf
@@ -244,7 +237,10 @@ def forget(holds_to, cell, reach, stride):
 
 @kernel
 def take_over(space, upper, lower, offset, interaction, peaks):
-    """Copy the present walls, approach [m] and states of the pairs (y, x) to the work space."""
+    """Copy the present walls, approach [m] and states of the pairs (y, x) to the work space.
+
+    No pair is then waiting or locked. ``holds_to`` is unknown around cells that have changed.
+    """
     cells = space.cells
     waits = space.turns.waits
     holds_to = space.holds_to
@@ -267,14 +263,14 @@ def take_over(space, upper, lower, offset, interaction, peaks):
 
 @kernel
 def note_holding(batch, n, looked_at, cells, holds_to):
-    """Note up to which approach [m] the pairs (n,) that do not break now will hold.
+    """Set the approach [m] up to which the pairs (n,) that do not break now will hold.
 
-    The stress ratio is proportional to the overlap, so that it reaches 1 at overlap / ratio.
+    The overlap ratio is 1 where the overlap is overlap / ratio.
     """
     for i in range(n):
         cell = looked_at[i]
         overlap = batch.overlap[i]
-        ratio = batch.stress_ratio[i]
+        ratio = batch.overlap_ratio[i]
         if batch.breaks[i] > 0.0 or not overlap > 0.0:
             continue
         holds_to[cell] = math.inf
@@ -287,7 +283,7 @@ def note_holding(batch, n, looked_at, cells, holds_to):
 
 @kernel
 def let_overlapping_wait(cells, turns, holds_to):
-    """Make all overlapping cells wait that may break; no cell may be waiting before."""
+    """Make all overlapping cells wait that are not known to hold; none may be waiting before."""
     for cell in range(cells.upper.size):
         approach = cells.approach[cell]
         if approach > holds_to[cell] and cells.upper[cell] + cells.lower[cell] + approach > 0.0:
@@ -324,7 +320,7 @@ def no_cells_due(cells, short_steps):
 
 @kernel
 def set_due(due, cell, moment):
-    """Examine a cell at a moment, and at no other one; at none from the end of the step on."""
+    """Make a cell due at one moment and no other; at none if the moment is the end of the step."""
     old = due.moment[cell]
     if old == moment:
         return
@@ -366,9 +362,10 @@ def let_due_wait(due, moment, turns):
 
 @kernel
 def foresee(batch, n, looked_at, growth, due, moment, allowed):
-    """Set at which moment pairs (n,) that hold now will exceed their strength if walls stay.
+    """Set the moments at which pairs (n,) that hold now will exceed the overlap ratio ``allowed``.
 
-    The overlap grows evenly over the step, and the stress ratio is proportional to the overlap.
+    The walls are assumed to stay as they are. The overlap grows evenly over the step, and the
+    overlap ratio with it.
     """
     last = due.first.size  # the moment at the end of the step
     for i in range(n):
@@ -377,7 +374,7 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
             continue
         rate = growth[cell] / last
         overlap = batch.overlap[i]
-        ratio = batch.stress_ratio[i]
+        ratio = batch.overlap_ratio[i]
         following = last
         if rate > 0.0 and overlap != 0.0 and ratio != 0.0:
             missing = (allowed * overlap / ratio - overlap) / rate
@@ -399,7 +396,7 @@ def let_ring_be_due(cells, due, broken, ring, moment):
 
 @kernel
 def set_laws(batch, n, some, kind, law):
-    """Set the strength of the pairs at some cells (n,), which depends on soft peaks."""
+    """Set the strength of the pairs at cells ``some`` (n,), which depends on their states."""
     for i in range(n):
         state = kind[some[i]]
         batch.critical_indentation[i] = law.critical_indentation[state]
@@ -409,7 +406,7 @@ def set_laws(batch, n, some, kind, law):
 
 @kernel
 def find_peaks(batch, n, some, kind):
-    """Determine which cells of the pairs are peaks of the current walls."""
+    """Set the states ``kind`` of the pairs from the peaks of the current walls."""
     around = np.empty(8)
     for i in range(n):
         state = 0
@@ -422,7 +419,10 @@ def find_peaks(batch, n, some, kind):
 
 @kernel
 def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
-    """Select the cells (n,) whose pairs break, return their number, and clear waiting flags."""
+    """Copy the cells (n,) whose pairs break to ``overstressed``, and return their number.
+
+    None of the examined cells waits or is locked any more.
+    """
     m = 0
     for i in range(n):
         turns.waits[looked_at[i]] = 0
@@ -434,7 +434,10 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
 
 @kernel
 def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside):
-    """Write broken pairs back to the walls; pairs that still break and their neighbours wait."""
+    """Write broken pairs back to the walls, and make their overlapping neighbours wait.
+
+    They wait themselves if any pair of the batch is ``still_breaking``.
+    """
     for i in range(n):
         if batch.steps[i] == 0.0:
             continue
@@ -481,14 +484,14 @@ def take_out_resting(batch, n, some, cells, walls, broken, count):
         count = add_changes(batch, i, some[i], cells, walls, broken, count)
         n -= 1
         if i < n:
-            move_pair(batch, n, i)
+            copy_pair(batch, n, i)
             some[i] = some[n]
     return n, count
 
 
 @kernel
 def write_together(walls, broken, cells, turns, around):
-    """Take over the new walls around broken cells (n,), which wait with their neighbours."""
+    """Copy the new walls around broken cells (n,) to the walls; those cells that overlap wait."""
     for cell in broken:
         for offset in around:
             cells.upper[cell + offset] = walls[UPPER, cell + offset]
@@ -520,9 +523,9 @@ def neighbour_offsets(stride):
 def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: bool):
     """Return the kernel that breaks all pairs until rest at a fixed interaction.
 
-    What is off is not compiled: ``gouge``; ``current_peaks``, peaks of the present walls instead of
-    those of the pristine ones; ``resolved``, in place of fixed steps; ``bounded``, a strength that
-    is bounded by the base of an asperity.
+    ``current_peaks``: peaks are those of the present walls, else of the pristine ones.
+    ``resolved``: resolved breakage, else fixed steps. ``bounded``: the base of an asperity bounds
+    its strength. The code of an effect that is off is not compiled.
     """
 
     @kernel
@@ -546,10 +549,11 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         Walls ``upper`` and ``lower`` (y, x) [m], and the states ``peaks`` (y, x) of pairs, are
         changed in place. The overlap of a pair is the sum of both heights and the ``offset`` [m],
         closure from first touch, less the ``interaction`` (y, x) [m]. Fixed steps lower a pair by
-        ``breakage_step`` [m]; resolved breakage lets stress ratios lie up to half of the ``band``
+        ``breakage_step`` [m]; resolved breakage lets overlap ratios lie up to half of the ``band``
         above 1. Height differences up to ``tie_tolerance`` [m] make no neighbour lower. With more
         than one of the ``short_steps`` the offset is that at the end of a step, in which the
         approach grows by ``growth`` (y, x) [m]. Breakage ends unfinished after ``most_steps``.
+        ``space`` is the `WorkSpace` of the joint.
         """
         ny, nx = upper.shape
         # not in functions of their own, as these would have the code of effects that are off
@@ -565,7 +569,8 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         walks = short_steps > 1
         growing = padded(growth, 0.0) if walks else cells.approach
         due = no_cells_due(cells.upper.size if walks else 0, short_steps)
-        walk = Walk(growing, due, 0, 1.0 if walks else 0.0)
+        moment = 0  # short steps that are done
+        left = 1.0 if walks else 0.0  # share of the step that is to come
         if resolved:
             assign(following[UPPER], cells.upper)
             assign(following[LOWER], cells.lower)
@@ -580,10 +585,10 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         while steps < most_steps:
             if turns.counts.sum() == 0:
                 if walks:
-                    moment = walk.moment + 1
+                    moment += 1
                     if moment == short_steps:
                         break
-                    walk = Walk(growing, due, moment, 1.0 - moment / short_steps)
+                    left = 1.0 - moment / short_steps
                     let_due_wait(due, moment, turns)
                     continue
                 # breakage changes curvatures up to two cells away: check all cells again
@@ -599,17 +604,17 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
             for first in range(0, number, BATCH):
                 looked_at = taken[first : min(first + BATCH, number)]
                 n = looked_at.size
-                # most of the cells that wait still hold: only these are looked at without corners
+                # most waiting cells hold, which can be seen without the corners around them
                 gather(
                     batch, n, looked_at, cells.upper, cells.lower, cells.approach,
-                    walk.growth, walk.left, cells.stride, current_peaks,
+                    growing, left, cells.stride, current_peaks,
                 )  # fmt: skip
                 if current_peaks:
                     find_peaks(batch, n, looked_at, cells.kind)
                 set_laws(batch, n, looked_at, cells.kind, law)
                 assess(batch, n, allowed, rules)
                 if walks:
-                    foresee(batch, n, looked_at, walk.growth, due, walk.moment, allowed)
+                    foresee(batch, n, looked_at, growing, due, moment, allowed)
                 if not resolved:
                     note_holding(batch, n, looked_at, cells, space.holds_to)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
@@ -617,11 +622,11 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     continue
                 gather(
                     batch, n, some, cells.upper, cells.lower, cells.approach,
-                    walk.growth, walk.left, cells.stride, True,
+                    growing, left, cells.stride, True,
                 )  # fmt: skip
                 set_laws(batch, n, some, cells.kind, law)
                 batch.steps[:n] = 0.0
-                # up to so many breakage steps in a row, before their neighbours are looked at
+                # several breakage steps in a row, before the neighbours are examined
                 for turn in range(_MOST_PASSES):
                     if current_peaks and turn > 0:
                         find_peaks(batch, n, some, cells.kind)
@@ -655,7 +660,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
                 if walks:
-                    let_ring_be_due(cells, due, taken[:broken], ring, walk.moment)
+                    let_ring_be_due(cells, due, taken[:broken], ring, moment)
         if steps > 0:
             unpad(cells.upper, upper)
             unpad(cells.lower, lower)

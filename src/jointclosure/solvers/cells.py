@@ -15,7 +15,7 @@ from jointclosure.mechanics.curvature import gaussian_curvature
 
 @kernel
 def neighbourhood(heights, y, x, out):
-    """Copy the heights of the eight neighbours of a cell, infinite outside the grid."""
+    """Copy the heights of a cell's eight neighbours to ``out`` (8,), infinite outside the grid."""
     ny, nx = heights.shape
     if 0 < y < ny - 1 and 0 < x < nx - 1:
         for i in range(3):
@@ -41,7 +41,7 @@ def wall_curvature(here, west, east, south, north, least_curvature, concave, spa
     below = north if south == math.inf else south
     above = south if north == math.inf else north
     curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
-    # NaN for a single cell in a direction, which is straight
+    # NaN if there is a single cell in a direction: this profile is straight
     return curvature if curvature > least_curvature else least_curvature
 
 
@@ -100,7 +100,11 @@ def peak_map(upper, lower):
 
 @kernel
 def overlapping_cells(upper, lower, offset, peaks, law):
-    """Find the cells whose walls overlap before any interaction, and their contacts."""
+    """Find the cells whose walls overlap before any interaction, with their contacts.
+
+    ``offset`` [m] is added to the sum of both heights, ``peaks`` (y, x) are the states of pairs.
+    Return flat indices, overlaps [m], curvatures [1/m] and compliances B [m N^(-2/3)], all (n,).
+    """
     ny, nx = upper.shape
     count = 0
     for y in range(ny):

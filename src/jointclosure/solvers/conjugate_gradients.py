@@ -1,8 +1,9 @@
 """Newton direction towards equilibrium, by conjugate gradients preconditioned by patches of cells.
 
 Conjugate gradients are slow for smooth fields, where many contacts displace each other over long
-distances. Patches of several cells, whose contacts share one overlap, remove most of these: a small
-dense system between the patches is solved once and applied many times.
+distances. The preconditioner removes most of the smooth part of the residual: the contacts of a
+patch of several cells share one overlap, and a small dense system between the patches is inverted
+once and applied many times.
 """
 
 import math
@@ -26,13 +27,13 @@ def newton_direction(
     """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 
     It differs from the textbook's conjugate gradients with a preconditioner in four ways. The
-    unknowns are scaled: in y = sqrt(D) d the system is I + W K W, W = D^(-1/2). With a given
-    ``shortfall`` [N] of the total force the sum of d is that, so that y lies in a plane: residual
-    and preconditioned residual are projected on this plane, and the shift is the Lagrange
-    multiplier of the condition. Products with K are in single precision, so that the residual is no
-    better than that; what the products add up to is the displacement K d, which is added to
-    ``displacement`` (see `Iterate.field`) without another product. And the iteration also ends when
-    a preconditioned residual is no longer positive, where only rounding is left.
+    unknowns are scaled: in y = sqrt(D) d the system is I + W K W, W = D^(-1/2). A ``shortfall`` [N]
+    of the total force, if given, is the sum of d, so that y lies in a plane: residual and
+    preconditioned residual are projected on this plane, and the shift is the Lagrange multiplier of
+    the condition. Products with K are in single precision, which limits the residual. Their sum is
+    the displacement K d, which is added to ``displacement`` (see `Iterate.field`) without another
+    product. The iteration also ends when the product of residual and preconditioned residual is no
+    longer positive, where only rounding is left.
 
     Parameters
     ----------

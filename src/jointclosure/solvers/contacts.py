@@ -33,8 +33,8 @@ class Contacts(NamedTuple):
 def contact_roots(contacts, overlap, guess):
     """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none.
 
-    Newton's method as in `force_of_overlap`, but all contacts do a step before the next one, so
-    that steps are vector code; a root that is found is kept.
+    Newton's method is as in `force_of_overlap`, but each step is done for all contacts at once, so
+    that steps are vector code. A root that is found is kept.
     """
     n = overlap.size
     substrate = contacts.substrate
@@ -72,8 +72,9 @@ def contact_roots(contacts, overlap, guess):
 def contact_response(contacts, shift, elastic_displacement, force, answer, secant):
     """Set answers G = min(C, psi(g + D - K F)) (n,) [N] to forces F, and secants (n,) [m/N].
 
-    A secant is the change of a contact's overlap over that of its force, from F to G; for equal
-    forces it is the tangent, and infinite for an open contact. Returned are sum |F - G| and sum G.
+    ``shift`` is D [m], ``elastic_displacement`` K F (n,) [m]. A secant is the change of a contact's
+    overlap over that of its force, from F to G. For equal forces it is the tangent, and infinite
+    for an open contact. Return sum |F - G| and sum G [N].
     """
     difference = 0.0
     total = 0.0
@@ -193,7 +194,7 @@ def separate_shift(contacts, target):
 
 @kernel
 def start_forces(force, cells, overlap):
-    """Return forces (n,) of a start at cells (n,): present ones (y, x), 0 if negative or apart."""
+    """Return the forces (y, x) [N] at cells (n,), 0 if one is negative or the walls are apart."""
     start = np.zeros(cells.size)
     flat = force.ravel()
     for i in range(cells.size):
@@ -204,9 +205,9 @@ def start_forces(force, cells, overlap):
 
 @kernel
 def usable_start(force, field):
-    """Return a guess of forces (n,), 0 where negative or not finite, and their interaction (y, x).
+    """Return a guess of forces (n,) [N], 0 where negative or not finite, and its interaction [m].
 
-    The interaction is empty if it is unknown.
+    The interaction is ``field`` (y, x), or has no rows if it is not finite or a force was replaced.
     """
     usable = np.zeros(force.size)
     as_given = True

@@ -1,4 +1,4 @@
-"""Closure at given forces without breakage: each force has one closure, of one convex problem."""
+"""Closure at given total forces without breakage: each is the solution of one convex problem."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-10
 """Relative residual of the forces, even if `Numerics.force_tolerance` is larger."""
-_FIRST_CANDIDATES = 48  # cells that are candidates at first; more follow where closures ask
+_FIRST_CANDIDATES = 48  # cells that are candidates at first, until a closure exceeds their reach
 _FEW = 0.1
 """Share of `dense_limit` up to which all candidates are in the working set."""
 
@@ -27,7 +27,7 @@ class _Point(NamedTuple):
 
 
 class _Candidates:
-    """Cells that may be in contact up to some closure, and their influence on each other.
+    """Cells that may be in contact up to the closure ``reach`` [m], and their mutual influence.
 
     Equilibrium is solved for a *working set* of these cells. It differs from the textbook's active
     set: all cells that come into contact are added at once, and none is taken out, as the law of a
@@ -50,7 +50,10 @@ class _Candidates:
             self.matrix = influence_matrix(table, cells[: cells.size if self.few else 0])
 
     def solve(self, guess: _Point, target: float) -> tuple[Equilibrium, np.ndarray]:
-        """Solve equilibrium at a total force [N]; return it and the gap [m] of the candidates."""
+        """Solve equilibrium at a total force [N]; return it and the gap [m] of the candidates.
+
+        The iteration starts from ``guess``. Gaps (n,) are as in `_Point`.
+        """
         cells = self.contacts.cells
         closure = min(guess.closure, self.reach)
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
@@ -69,7 +72,7 @@ class _Candidates:
     def _solve_working_set(
         self, start: Contacts, force: np.ndarray, inside: np.ndarray, target: float
     ) -> tuple[Equilibrium, np.ndarray]:
-        """Solve among the cells ``inside`` (n,), and add missed ones until none overlaps."""
+        """Solve for the cells ``inside`` (n,), adding others that overlap until none does."""
         near = self.joint.neighbours
         newton_steps = 0
         products = 0
@@ -105,7 +108,10 @@ class _Candidates:
 
 
 def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
-    """Close an elastic joint to each of several total forces."""
+    """Return the states of an elastic joint at total forces (t,) [N], each by one solution.
+
+    The list ends with the first state that did not converge. The joint has the forces of the last.
+    """
     candidates = _Candidates(joint, _closure_of_overlaps(joint, _FIRST_CANDIDATES))
     solved: list[_Point] = []
     settled = []
@@ -141,7 +147,10 @@ def _closure_of_overlaps(joint: Joint, count: int) -> float:
 
 
 def _starting_point(solved: list[_Point], target: float, contacts: Contacts, size: int) -> _Point:
-    """Return a starting point: extrapolated, or that without interaction."""
+    """Return a starting point for a total force [N], extrapolated from the last two solved points.
+
+    Without one it is the solution without interaction.
+    """
     if not solved:
         force, gap = _open_state(size)
         closure = separate_shift(contacts, target)
@@ -161,7 +170,7 @@ def _starting_point(solved: list[_Point], target: float, contacts: Contacts, siz
 
 
 def _described_solution(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
-    """Summarise a solution as a joint at rest, as `Joint.describe` does."""
+    """Return a solution as the state of a joint at rest, as `Joint.describe` does."""
     total = float(solution.force.sum())
     outcome = (
         Outcome.CONVERGED if solution.residual <= candidates.tolerance else Outcome.NOT_CONVERGED

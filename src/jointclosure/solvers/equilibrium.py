@@ -1,12 +1,12 @@
 """Equilibrium of forces: a convex complementarity problem.
 
 Find 0 <= F <= C with F_i = min(C_i, psi_i(g_i + D - (K F)_i)) for the geometric overlap g, the
-closure's shift D, the interaction K and the law of one contact F = psi(overlap). These are the
+shift D of the closure, the interaction K and the law of one contact F = psi(overlap). These are the
 optimality conditions of min sum_i (A F_i^2 / 2 + 3/5 B_i F_i^(5/3)) + F.K F / 2 - (g + D).F,
 strictly convex because A + K is positive definite for a base radius of at most a cell:
 docs/decisions.md#0004-equilibrium. The limits C are infinite for elastic contacts, and the strength
-if breakage is resolved. Either the shift is given (0), or the total force, whose Lagrange
-multiplier it is.
+if breakage is resolved. Either the shift is given, as 0, or the total force; the shift is then its
+Lagrange multiplier.
 """
 
 import math
@@ -40,8 +40,27 @@ def solve_equilibrium(
 ) -> Equilibrium:
     """Solve the equilibrium of forces at the overlapping cells.
 
-    ``field`` (y, x) [m] is the interaction of the forces at the start, if it is known. A matrix
-    makes it unnecessary.
+    Parameters
+    ----------
+    influence, matrix
+        Interaction, None without it, and its matrix (n, n) [m/N], or a larger one that begins with
+        it. By default the matrix is computed if there are few contacts.
+    contacts, start
+        Contacts (n,), and forces (n,) [N] from which the iteration starts.
+    target
+        Total force [N], NaN if the shift is given.
+    tolerance
+        Largest `Equilibrium.residual`.
+    field
+        Interaction (y, x) [m] of the forces at the start, if it is known. It is not needed with a
+        matrix.
+    space
+        Preconditioner of an equilibrium of similar contacts.
+
+    Returns
+    -------
+    The equilibrium. Its residual exceeds the tolerance if it was not found, is infinite if a
+    contact is rigid, and NaN if the problem has no finite solution.
     """
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
@@ -75,7 +94,7 @@ def solve_equilibrium(
 
 
 def _separate_solution(contacts: Contacts, target: float) -> Equilibrium:
-    """Solve contacts without interaction: one equation for the shift, if it is unknown."""
+    """Solve the equilibrium of contacts without interaction, and the shift if a target is given."""
     given = math.isnan(target) or contacts.cells.size == 0
     shift = 0.0 if given else separate_shift(contacts, target)
     force = separate_equilibrium(contacts, shift)
@@ -99,8 +118,9 @@ def _solve_by_bracketing(
 ) -> Equilibrium:
     """Solve for the shift as a root of the total force, which increases with the shift.
 
-    The bracket starts at the first contact, and is doubled until the total force is too large;
-    Brent's method finds the root, where every evaluation is an equilibrium at a given shift.
+    The bracket starts at the first contact, and is doubled until the total force is too large.
+    Brent's method finds the root; every evaluation is an equilibrium at a given shift. ``start`` is
+    the best solution so far. The residual is NaN if there is no bracket.
     """
     best = start
     steps = start.newton_steps

@@ -45,7 +45,10 @@ class FastSolver:
     elastic_curve = staticmethod(elastic_curve)
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
+        """Bring the joint to rest at a closure [m]; return the state reached.
+
+        Fixed steps of breakage are ``breakage_step`` [m].
+        """
         asked = finest = joint.numerics.force_tolerance
         before = joint.interaction.copy(), joint.force.copy()
         step = closure - float(joint.closure)
@@ -75,7 +78,11 @@ class FastSolver:
         return settled
 
     def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
-        """Predict the force [N] at a closure [m] before anything breaks (resolved breakage)."""
+        """Return the total force [N] at a closure [m] before anything breaks, and the effort.
+
+        The equilibrium is solved to this ``residual``, but to no smaller one than the required
+        one. The force is infinite if none was found. Of the joint only the rates change.
+        """
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()
         step = closure - float(joint.closure)
@@ -128,7 +135,7 @@ class _PathToRest:
         self.solve(_stage_tolerances(asked)[0] if may_break and self.break_to_rest() > 0 else asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
-        """Break along a step [m] and solve the first equilibrium at its end (resolved breakage)."""
+        """Do the first round of resolved breakage along a step [m]; return the total force [N]."""
         self.extrapolate(step)
         may_break = step > 0.0 and self.closure > self.joint.held_to
         if may_break:
@@ -170,7 +177,10 @@ class _PathToRest:
         self._break(step * (1.0 - self.joint.interaction_rate), SHORT_STEPS)
 
     def _break(self, growth: np.ndarray, short_steps: int) -> int:
-        """Break pairs in short steps, in which the approach grows (y, x) [m]; return the steps."""
+        """Break pairs while the approach grows by ``growth`` (y, x) [m] in short steps.
+
+        Return the number of breakage steps.
+        """
         joint = self.joint
         choices = joint.choices
         most = int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
@@ -203,7 +213,7 @@ class _PathToRest:
         return steps
 
     def solve(self, tolerance: float) -> Equilibrium:
-        """Solve the equilibrium of the present walls; set forces and interaction of the joint."""
+        """Solve equilibrium at the present walls to a residual, and set forces and interaction."""
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(Outcome.NOT_AT_REST)
         joint = self.joint
@@ -223,7 +233,7 @@ class _PathToRest:
         if answer.field.size > 0:
             joint.interaction[:] = answer.field
         elif joint.influence is not None:
-            if _is_resolved(joint):  # with fixed steps it lags elsewhere until the joint rests
+            if _is_resolved(joint):  # with fixed steps other cells follow at rest
                 joint.interaction[:] = interaction_field(joint.influence, joint.force)
             joint.interaction.ravel()[cells] = answer.interaction
         self._interaction_known = answer.field.size > 0

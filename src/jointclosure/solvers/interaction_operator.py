@@ -66,7 +66,7 @@ def influence_by_place(table):
     """Return the influence [m/N] by the difference of two places, as a flat array, and its middle.
 
     Places (`places`) number the cells of rows that are twice as long, so that the difference of two
-    places tells their distance along y and x. The middle is the index of a difference of 0.
+    places determines their distance along y and x. The middle is the index of a difference of 0.
     """
     ny, nx = table.shape
     stride = 2 * nx - 1
@@ -195,9 +195,10 @@ def patch_influence(table, side):
 
 @kernel
 def convolve(padded, spectrum, wave, field):
-    """Set a field (ny, columns) to the convolution of a padded one, given the transform's spectrum.
+    """Set ``field`` (ny, columns) to the convolution of ``padded`` (ny, columns) with an influence.
 
-    ``wave`` is work space of the shape of the spectrum. Single and double precision.
+    ``spectrum`` is the transform of the influence, ``wave`` work space of its shape. All arrays are
+    in single, or all in double precision.
     """
     ny = padded.shape[0]
     inside = wave[:, :ny].T
@@ -230,7 +231,10 @@ def interaction_field(influence, force):
 
 @large_kernel
 def interaction_product(influence, matrix, cells, values, force):
-    """Compute displacements (n,) [m] at cells by forces (n,) [N] at the same cells."""
+    """Compute displacements (n,) [m] at cells (n,) by forces ``values`` (n,) [N] at the same cells.
+
+    It uses the matrix unless that is empty. ``force`` (y, x) is work space, 0 at all other cells.
+    """
     if matrix.size > 0:
         return symmetric_times(matrix, values)
     flat = force.ravel()
@@ -322,9 +326,9 @@ def add_displacements(influence, matrix, cells, force, displacement):
 
 @large_kernel
 def add_changes_of_force(influence, cells, start, force, interaction):
-    """Update the interaction (y, x) [m] from that of forces (y, x) [N] to that of others.
+    """Change ``interaction`` (y, x) [m] from that of ``force`` (y, x) [N] to that of new forces.
 
-    These are ``start`` (n,) [N] at the cells (n,), and 0 elsewhere.
+    The new forces are ``start`` (n,) [N] at the cells (n,), and 0 elsewhere.
     """
     change = -force.ravel()
     for i in range(cells.size):

@@ -30,23 +30,22 @@ millimetre, rounding of heights of some millimetres leaves up to 1e-7; the flatt
 has 1e-3."""
 
 _LEAST_DROP = float(np.finfo(float).tiny)
-"""Difference in height [m] that makes no cell lower: of denormal heights the tolerance is 0."""
+"""Least tie tolerance [m], because that of walls with denormal heights rounds to 0."""
 CRUSHED = 4
 """Summand of the state of a pair whose rock was crushed, see `ContactLaw`."""
 
 
 class Outcome(IntEnum):
-    """Outcomes of `Solver.settle`, with their remedies."""
+    """Outcomes of `Solver.settle`; `jointclosure.joint.status.STATUSES` has their remedies."""
 
     CONVERGED = 0
     """Forces are in equilibrium, and every contact holds or is locked."""
     NOT_CONVERGED = 1
-    """Forces did not reach equilibrium within the tolerance: report it, as no case is known."""
+    """Forces did not reach equilibrium within the tolerance."""
     NOT_AT_REST = 2
-    """Breakage continued beyond the largest number of steps: take larger steps, a
-    `Choices.largest_radius`, or a larger `Numerics.most_breakage_steps`."""
+    """Breakage continued beyond the largest number of steps."""
     RIGID_CONTACT = 3
-    """A flat contact without substrate overlaps, whose force is infinite: let the substrate act."""
+    """A flat contact without substrate overlaps, whose force is infinite."""
 
 
 _SPACE_LASTS = 0.5
@@ -59,8 +58,9 @@ _RATES = 2
 class Effort(NamedTuple):
     """Effort of settling a joint, in counts that do not depend on the machine.
 
-    ``rounds`` are equilibria solved, one after each breakage; ``products`` those with the
-    interaction (reference solver: sweeps); ``breakage_steps`` how often a pair was lowered.
+    ``settled`` counts closures at which the joint was brought to rest, ``rounds`` equilibria solved
+    on the way, one after each breakage, and ``products`` those with the interaction (both are
+    sweeps in the reference solver). ``breakage_steps`` counts how often a pair was lowered.
     """
 
     settled: int = 0
@@ -75,13 +75,14 @@ class Effort(NamedTuple):
 
 
 class Settled(NamedTuple):
-    """Joint at rest: in equilibrium, with every contact held or locked.
+    """State reached by `Solver.settle`, at rest if the outcome is `Outcome.CONVERGED`.
 
-    Shares are those of the force on locked contacts (beyond their strength, without lower
-    neighbours for their gouge) and on flat ones (no curvature but by rounding). ``correction`` [N]
-    is the total force less that of the first equilibrium after the short steps of breakage
-    (resolved breakage), a measure of a step's error. ``mean_overlap`` [m] is the sum of the
-    overlaps of contacts over the cells.
+    Lengths are in m, forces in N. ``locked_share`` is the share of the force on locked contacts,
+    beyond their strength and without lower neighbours for their gouge; ``flat_share`` that on other
+    contacts without curvature (`FLATTEST`). ``mean_overlap`` is the sum of the overlaps of contacts
+    over the number of cells. ``correction`` is the size of the difference between the total force
+    and that of the first equilibrium after the short steps of resolved breakage, a measure of the
+    error of a step.
     """
 
     outcome: Outcome
@@ -100,7 +101,11 @@ class Settled(NamedTuple):
 
 
 class Joint:
-    """Two walls, their material, and the forces between them."""
+    """Two walls, their material, and the forces between them.
+
+    ``upper`` and ``lower`` are heights (y, x) [m], ``rock`` is (upper, lower). ``pristine`` are the
+    walls before any loading, if the given ones are not.
+    """
 
     def __init__(
         self,
@@ -133,7 +138,7 @@ class Joint:
         self.interaction = np.zeros(self.upper.shape)
         self.closure = np.zeros(())  # of the last settled state
         self.held_to = -math.inf  # closure [m] up to which nothing is known to break
-        # rates per closure [1, N/m], since the last but one state
+        # rates per closure [1, N/m] between the last two states
         self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
         self.coarse_space = NO_COARSE_SPACE  # of the last equilibrium
         self._space_contacts = 0  # number of contacts when it was made
@@ -161,9 +166,9 @@ class Joint:
         return influence_of(self.influence_table)
 
     def weaken_crushed(self) -> bool:
-        """Mark pairs with a cell below its pristine height as crushed; return if any is new.
+        """Mark pairs with a cell below its pristine height as crushed; return whether any is new.
 
-        Only where crushed rock is weaker (`Choices.crushed_strength_ratio`).
+        Nothing is marked unless crushed rock is weaker (`Choices.crushed_strength_ratio`).
         """
         if not self.pristine:
             return False
@@ -216,7 +221,7 @@ class Joint:
         return (*fields, self.closure, self.interaction_rate, self.force_rate)
 
     def overlapping(self, closure: float):
-        """Return the cells that overlap at a closure [m] without interaction."""
+        """Return `overlapping_cells` at a closure [m]; current peaks are updated before."""
         if self.choices.peaks == "current":
             self.peaks[:] = peak_map(self.upper, self.lower)
         return overlapping_cells(
@@ -232,8 +237,7 @@ class Joint:
         """Return contacts extended to all `neighbours`, and the influence matrix (m, m) of these.
 
         Neighbours that are not in contact have a negative overlap. Without interaction, or for so
-        many contacts that a convolution is cheaper, the contacts are returned as they are, and
-        None.
+        many contacts that a convolution is cheaper, the same contacts and None are returned.
         """
         if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
             return contacts, None
@@ -249,7 +253,7 @@ class Joint:
         return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
 
     def space_for(self, contacts: int) -> CoarseSpace:
-        """Return the coarse space, none after a large change of the number of contacts."""
+        """Return the coarse space, without patches if the number of contacts has changed a lot."""
         made_with = self._space_contacts
         if abs(contacts - made_with) > _SPACE_LASTS * made_with:
             self.coarse_space = NO_COARSE_SPACE
@@ -274,9 +278,10 @@ class Joint:
         effort: Effort,
         overlapping: tuple | None = None,
     ) -> Settled:
-        """Summarise the present state; ``locked`` is a map (y, x).
+        """Return the present state; ``locked`` (y, x) are the locked pairs.
 
-        The interaction becomes that of the forces, by a product in double precision.
+        ``overlapping`` is the result of `overlapping`, if it is known. The joint's interaction
+        becomes that of its forces, by a product in double precision.
         """
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
@@ -310,9 +315,10 @@ class Joint:
 class Solver(Protocol):
     """Interface of solvers, which bring a joint to rest at a closure from any state.
 
-    ``elastic_curve(joint, targets)`` closes an elastic joint to total forces (t,) [N] without
-    steps. ``predict(joint, closure, residual)`` returns the total force [N] before anything breaks,
-    and its effort; it changes the forces. Both are None if a solver has none.
+    ``elastic_curve(joint, targets)`` returns the states of an elastic joint at total forces (t,)
+    [N], without steps. ``predict(joint, closure, residual)`` returns the total force [N] at a
+    closure [m] before anything breaks, and the effort; walls and forces stay as they are. Either is
+    None if a solver does not have it.
     """
 
     @property
@@ -324,7 +330,10 @@ class Solver(Protocol):
         """Function that predicts a force, or None, see `Solver`."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Change the joint's walls and forces so that it rests at the closure [m]."""
+        """Change the joint's walls and forces so that it rests at the closure [m].
+
+        Fixed steps of breakage are ``breakage_step`` [m].
+        """
 
 
 def roughness(upper: np.ndarray, lower: np.ndarray) -> float:

@@ -35,10 +35,11 @@ ROUNDING = 2.0**-52
 
 
 class Equilibrium(NamedTuple):
-    """Forces in equilibrium, with residual and effort.
+    """Forces in equilibrium, with residual and effort (symbols: `solvers.equilibrium`).
 
-    The residual is sum |F - G| / sum G with the answers G = min(C, psi(g + D - K F)) to the forces
-    F, and for a given total force T at least |sum F - T| / sum G.
+    The residual is sum |F - G| / sum G. G = min(C, psi(g + D - K F)) are the answers to the forces
+    F: the forces that the contacts would carry at the overlaps that F leaves. For a given total
+    force T it is at least |sum F - T| / sum G.
     """
 
     force: np.ndarray  # (n,) [N]
@@ -77,7 +78,10 @@ class Iterate(NamedTuple):
 
 @kernel
 def _iterate_with_answers(problem, force, field, shift):
-    """Make an iterate from forces and their interaction; set `Problem.answer` and `secant`."""
+    """Make an iterate from forces (n,) [N] and their interaction ``field`` [m], see `Iterate`.
+
+    `Problem.answer` and `Problem.secant` are set.
+    """
     cells = problem.contacts.cells
     elastic_displacement = np.empty(cells.size)
     flat = field.ravel()
@@ -137,7 +141,7 @@ def _newton_step(problem, space, state, tolerance):
 
 @kernel
 def _add_change(problem, change, field):
-    """Add the interaction of a change of forces (n,) [N] to a field; return 1 if by a product."""
+    """Add the interaction of changes of force (n,) [N] to a field; return how many products."""
     cells = problem.contacts.cells
     return int(add_displacements(problem.influence, problem.matrix, cells, change, field))
 
@@ -146,9 +150,9 @@ def _add_change(problem, change, field):
 def _safer_iterate(problem, state, trial):
     """Return an iterate with a lower energy than the state, and the number of products.
 
-    It is the Newton step, otherwise its first part of 1/2, 1/4, ... that lowers the energy, or else
-    that after a few passes of exact minimisation contact by contact (Gauss-Seidel), which always
-    lowers it.
+    It is ``trial``, the iterate after a Newton step, if its energy is lower. Otherwise it is the
+    first of 1/2, 1/4, ... of the step that lowers the energy. If none does, it is the iterate after
+    a few passes of exact minimisation contact by contact (Gauss-Seidel), which always lower it.
     """
     contacts = problem.contacts
     shift = state.shift
@@ -172,17 +176,18 @@ def _safer_iterate(problem, state, trial):
 
 @kernel
 def interacting_equilibrium(influence, matrix, contacts, start, field, space, target, tolerance):
-    """Solve `solve_equilibrium` with interaction; the parameters are the same.
+    """Solve the problem of `solve_equilibrium` with interaction; the parameters are the same.
 
     Newton's method for F = G(F), with the answers G of the contacts to the interaction of F. It
     differs from the textbook's in four ways. The compliance of a contact is not that at its force
     but the secant to its answer, with which a contact alone is solved in one step. Forces are cut
     to the range from 0 to their limit after a step, in place of an active set. A step is as exact
-    as the residual asks for (inexact Newton). And a step that does not halve the residual must
-    lower the energy, or a safer one is taken (`_safer_iterate`); at a given total force, where the
-    energy is no measure, too many such steps end the iteration, and the caller brackets the shift.
-    The interaction of single-precision products is summed from step to step, and computed once in
-    double precision before a finer residual than `FINEST_OF_SUMS` is believed.
+    as the residual requires (inexact Newton). A step that does not halve the residual must lower
+    the energy, or a safer one is taken (`_safer_iterate`). At a given total force the energy is no
+    measure: too many such steps end the iteration, and the caller brackets the shift.
+
+    The interaction of single-precision products is summed from step to step. It is computed once in
+    double precision before a residual below `FINEST_OF_SUMS` is accepted.
     """
     n = start.size
     start, field = usable_start(start, field)

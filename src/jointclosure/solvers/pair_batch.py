@@ -6,6 +6,9 @@ A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap. A step 
 generates vector code: ``a if condition else b`` is a selection there, not a branch, and values that
 do not apply to a pair are computed and not used.
 
+`jointclosure.mechanics.gouge` and `jointclosure.mechanics.strength` have the same equations for one
+pair, as the reference solver uses them. tests/solvers/test_breakage.py compares both.
+
 The 3 x 3 heights of a wall are in the order of (y, x) offsets, with the cell itself at `CENTRE`;
 heights outside the grid are infinite.
 """
@@ -54,14 +57,14 @@ Batch = np.dtype(
             # and the curvature below which strength is bounded
             *_batch_fields("critical_indentation", "substrate_strength", "filling"),
             # overlap over the overlap at breakage
-            *_batch_fields("stress_ratio"),
+            *_batch_fields("overlap_ratio"),
             # 1 or 0: breaks in this step; is locked on both walls. Number of steps so far
             *_batch_fields("breaks", "locked", "steps"),
             # by wall: curvature [1/m], sum and smallest of the drops to lower neighbours [m],
             # loss of height (at first its share) [m]
             *_batch_fields("curvature", "total_drop", "least_drop", "loss", shape=(2,)),
             # return mapping: largest possible loss; bracket of the loss, and by how much the
-            # stress ratio exceeds its goal at both ends; end that moved last, -1 or 1; trial
+            # overlap ratio exceeds its goal at both ends; end that moved last, -1 or 1; trial
             # loss, and whether it is the solution, 1 or 0
             *_batch_fields("most", "left", "right", "excess", "shortage", "moved", "trial", "done"),
         ],
@@ -87,9 +90,10 @@ class Rules(NamedTuple):
 
 @kernel
 def gather(batch, n, cells, upper, lower, approach, growth, left, stride, with_corners):
-    """Copy heights around cells (n,) into a batch, optionally with corners.
+    """Copy approaches and heights around cells (n,) into a batch, optionally with corners.
 
-    ``left`` is the share of the step, and of the approach's ``growth`` [m] in it, that is to come.
+    ``approach`` [m] is that at the end of a step, in which it grows by ``growth`` [m]; ``left`` is
+    the share of the step that is to come.
     """
     for i in range(n):
         cell = cells[i]
@@ -114,7 +118,7 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 @kernel
 def assess(batch, n, allowed, rules):
-    """Compute curvatures, overlap, stress ratio, and whether it exceeds the allowed one."""
+    """Compute curvatures, overlap, overlap ratio, and whether this exceeds the allowed one."""
     for i in range(n):
         for wall in range(2):
             batch.curvature[wall, i] = wall_curvature(
@@ -137,7 +141,7 @@ def assess(batch, n, allowed, rules):
         load = overlap * kappa * kappa
         strength = indentation * kappa + batch.substrate_strength[i]
         batch.overlap[i] = overlap
-        batch.stress_ratio[i] = load / strength
+        batch.overlap_ratio[i] = load / strength
         batch.breaks[i] = 1.0 if load > allowed * strength else 0.0
 
 
@@ -156,7 +160,7 @@ def drop_of_neighbour(batch, wall, neighbour, i, tie_tolerance):
 
 @kernel
 def measure_drops(batch, n, wall, tie_tolerance):
-    """Compute sum and smallest of drops to lower neighbours (`mechanics.gouge.drops`)."""
+    """Compute sum and smallest of the drops of a wall's cells, as `mechanics.gouge.drops`."""
     for i in range(n):
         a = drop_of_neighbour(batch, wall, 0, i, tie_tolerance)
         b = drop_of_neighbour(batch, wall, 1, i, tie_tolerance)
@@ -179,7 +183,10 @@ def measure_drops(batch, n, wall, tie_tolerance):
 
 @kernel
 def share_losses(batch, n, gouge):
-    """Compute both walls' shares of a loss of 1, 0 for a pair that does not break."""
+    """Set losses to both walls' shares of a loss of 1, 0 for a pair that does not break.
+
+    With gouge a pair without a lower neighbour on either wall is locked, and does not break.
+    """
     for i in range(n):
         share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])
         breaks = batch.breaks[i]
@@ -206,7 +213,7 @@ def fixed_losses(batch, n, breakage_step):
 
 @kernel
 def raise_neighbour(batch, wall, neighbour, i, rate, tie_tolerance):
-    """Raise a neighbour of pair i by gouge: by the share ``rate`` of its drop below the cell."""
+    """Raise a neighbour of pair i by gouge, by ``rate`` times its drop below the cell."""
     height = batch.heights[wall, neighbour, i]
     drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
     batch.heights[wall, neighbour, i] = height + rate * drop
@@ -239,7 +246,10 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
 
 @kernel
 def curvature_after(batch, i, wall, loss, rules):
-    """Compute the curvature of a wall's cell after pair i has lost a height [m], with gouge."""
+    """Compute the curvature [1/m] of a wall's cell after pair i has lost a height ``loss`` [m].
+
+    If gouge acts, its neighbours have then received it.
+    """
     here = batch.heights[wall, CENTRE, i]
     share = batch.loss[wall, i]
     west = batch.heights[wall, WEST, i]
@@ -259,7 +269,7 @@ def curvature_after(batch, i, wall, loss, rules):
 
 @kernel
 def ratio_after(batch, i, loss, rules):
-    """Compute the stress ratio of pair i after it has lost a height [m], with gouge."""
+    """Compute the overlap ratio of pair i after it has lost a height [m], see `curvature_after`."""
     kappa = curvature_after(batch, i, UPPER, loss, rules)
     kappa += curvature_after(batch, i, LOWER, loss, rules)
     indentation = batch.critical_indentation[i]
@@ -280,7 +290,7 @@ def level_loss(batch, i, wall):
 
 @kernel
 def bracket_losses(batch, n, goal, gouge):
-    """Bracket the losses that bring pairs to their goal, and set the first trial."""
+    """Bracket the losses that bring the overlap ratio to ``goal``, and set the first trials."""
     for i in range(n):
         overlap = batch.overlap[i]
         most = overlap  # until contact is lost
@@ -289,7 +299,7 @@ def bracket_losses(batch, n, goal, gouge):
             most = level if level < most else most
             level = level_loss(batch, i, LOWER)
             most = level if level < most else most
-        ratio = batch.stress_ratio[i]
+        ratio = batch.overlap_ratio[i]
         # solution for an unchanged curvature
         first = overlap * (1.0 - goal / ratio)
         first = first if first < most else most
@@ -309,8 +319,8 @@ def narrow_loss(batch, i, goal, near, rules):
 
     As in that variant the value at an end that stays twice is halved. It differs from the textbook
     in its start: the first trial is the solution for an unchanged curvature, and the value at the
-    right end is not computed before a trial falls on it. It ends when the ratio is within ``near``
-    of the goal, or too large even at the largest possible loss.
+    right end is not computed before a trial falls on it. It ends when the overlap ratio is within
+    ``near`` of the goal, or too large even at the largest possible loss.
     """
     trial = batch.trial[i]
     answer = ratio_after(batch, i, trial, rules) - goal
@@ -343,9 +353,10 @@ def narrow_loss(batch, i, goal, near, rules):
 
 @kernel
 def returning_losses(batch, n, band, rules):
-    """Compute by return mapping the losses of both walls that restore the strength of a pair.
+    """Compute by return mapping the losses that bring pairs back to their strength.
 
-    All pairs do the same number of steps in vector code, until few are unsolved; these go on alone.
+    The overlap ratio becomes 1 - band/2. All pairs do the same number of steps in vector code,
+    until few are unsolved; these go on alone.
     """
     goal = 1.0 - 0.5 * band
     near = 0.25 * band
@@ -370,7 +381,7 @@ def returning_losses(batch, n, band, rules):
 
 
 @kernel
-def move_pair(batch, at, to):
+def copy_pair(batch, at, to):
     """Copy an assessed pair with its drops and shares from one place in the batch to another."""
     for wall in range(2):
         for k in range(9):
@@ -384,6 +395,6 @@ def move_pair(batch, at, to):
     batch.critical_indentation[to] = batch.critical_indentation[at]
     batch.substrate_strength[to] = batch.substrate_strength[at]
     batch.filling[to] = batch.filling[at]
-    batch.stress_ratio[to] = batch.stress_ratio[at]
+    batch.overlap_ratio[to] = batch.overlap_ratio[at]
     batch.breaks[to] = batch.breaks[at]
     batch.steps[to] = batch.steps[at]

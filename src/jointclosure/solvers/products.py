@@ -10,7 +10,7 @@ import numpy as np
 from jointclosure.compilation.kernels import kernel, large_kernel
 
 PIVOTS = 4  # of one pass over a matrix
-LANES = 8  # most values of a vector of a processor
+LANES = 8  # largest number of values in a vector of a processor
 
 
 @kernel
@@ -43,7 +43,7 @@ def inner(one, other):
 
 @kernel
 def symmetric_times(matrix, vector):
-    """Multiply a symmetric matrix (n, n) by a vector (n,): row by row, four at a time."""
+    """Multiply a symmetric matrix (n, n), or the first part of a larger one, by a vector (n,)."""
     n = vector.size
     answer = np.zeros(n)
     whole = n - n % 4
@@ -70,9 +70,9 @@ def symmetric_times(matrix, vector):
 def symmetric_inverse(matrix):
     """Invert a symmetric positive definite matrix (n, n) by sweeping pivot by pivot.
 
-    The sweep operator (Goodnight 1979) on the lower triangle needs no pivoting then. `PIVOTS`
-    pivots share one pass over the matrix, with the same operations in the same order as pivot by
-    pivot.
+    The sweep operator (Goodnight 1979) acts on the lower triangle; a positive definite matrix needs
+    no pivoting. `PIVOTS` pivots share one pass over the matrix, with the same operations in the
+    same order as pivot by pivot.
     """
     n = matrix.shape[0]
     wide = n + -n % LANES  # whole vectors: what they add to the upper triangle is not used
@@ -109,7 +109,7 @@ def symmetric_inverse(matrix):
 
 @kernel
 def _follow_pivots(row, k, first, start, stop, columns, shares):
-    """Sweep row and column k of a symmetric matrix by the pivots from ``start`` to ``stop``."""
+    """Sweep a row of a symmetric matrix, row k, by the pivots ``start`` to ``stop`` of a pass."""
     for r in range(start, stop):
         column = columns[r]
         share = shares[r]

@@ -4,7 +4,6 @@ Numbers in the comments are the paper's steps (first list) and its breakage step
 """
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -43,7 +42,7 @@ def tallest_first(cells, upper, lower):
 
 @kernel
 def lay_back(heights, y, x, neighbours):
-    """Write the eight neighbours of a cell into its wall."""
+    """Write the heights (8,) of the neighbours of a cell back to its wall (y, x)."""
     ny, nx = heights.shape
     k = 0
     for dy in range(-1, 2):
@@ -54,114 +53,13 @@ def lay_back(heights, y, x, neighbours):
                 k += 1
 
 
-class Surroundings(NamedTuple):
-    """Heights [m] of the eight neighbours of a cell on both walls, and drops [m] to the lower ones.
-
-    Work space of `break_pair`.
-    """
-
-    upper: np.ndarray
-    lower: np.ndarray
-    falls_upper: np.ndarray
-    falls_lower: np.ndarray
-
-
-@kernel
-def empty_surroundings():
-    """Return `Surroundings` that are not filled yet."""
-    return Surroundings(np.empty(8), np.empty(8), np.empty(8), np.empty(8))
-
-
-@kernel
-def break_pair(
-    upper,
-    lower,
-    y,
-    x,
-    offset,
-    displacement,
-    peaks,
-    law,
-    breakage_step,
-    tie_tolerance,
-    around,
-    locked,
-    breakage,
-    gouge,
-    current_peaks,
-):
-    """Break the pair of a cell until it holds; return overlap [m], curvature [1/m] and steps.
-
-    ``displacement`` [m] is the interaction at the cell; the other parameters are those of
-    `reference_kernel`.
-    """
-    neighbourhood(upper, y, x, around.upper)
-    neighbourhood(lower, y, x, around.lower)
-    steps = 0
-    locked[y, x] = False
-    while True:
-        overlap = upper[y, x] + lower[y, x] + offset - displacement
-        state = peaks[y, x]
-        if current_peaks:
-            state = 2 * is_peak(upper[y, x], around.upper)
-            state += is_peak(lower[y, x], around.lower)
-            peaks[y, x] = state
-        kappa_upper = curvature_among(upper[y, x], around.upper, law)
-        kappa_lower = curvature_among(lower[y, x], around.lower, law)
-        kappa = kappa_upper + kappa_lower
-        # 4. breakage: 4.3 until the contact holds with its new geometry
-        if not breakage or not overlap > 0.0:
-            break
-        if not is_overstressed(
-            overlap,
-            kappa,
-            law.critical_indentation[state],
-            law.breaking_force[state],
-            law.substrate,
-            law.filling[state],
-        ):
-            break
-        # 4.1 the pair is lowered, the sharper asperity more
-        share = upper_share(kappa_upper, kappa_lower)
-        total_upper = 0.0
-        least_upper = 0.0
-        total_lower = 0.0
-        least_lower = 0.0
-        if gouge:
-            total_upper, least_upper = drops(
-                upper[y, x], around.upper, tie_tolerance, around.falls_upper
-            )
-            total_lower, least_lower = drops(
-                lower[y, x], around.lower, tie_tolerance, around.falls_lower
-            )
-            if total_upper == 0.0 and total_lower == 0.0:
-                locked[y, x] = True
-                break
-            share = passed_share(share, total_upper, total_lower)
-        loss_upper = breakage_step * share
-        loss_lower = breakage_step * (1.0 - share)
-        # 4.2 the gouge goes to the valleys around
-        if gouge and loss_upper > 0.0:
-            loss_upper = shed(
-                around.upper, loss_upper, around.falls_upper, total_upper, least_upper
-            )
-            lay_back(upper, y, x, around.upper)
-        if gouge and loss_lower > 0.0:
-            loss_lower = shed(
-                around.lower, loss_lower, around.falls_lower, total_lower, least_lower
-            )
-            lay_back(lower, y, x, around.lower)
-        upper[y, x] -= loss_upper
-        lower[y, x] -= loss_lower
-        steps += 1
-    return overlap, kappa, steps
-
-
 @lru_cache(maxsize=None)
 def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
     """Return the kernel of steps 2 to 5 of the paper at one closure.
 
-    ``current_peaks``: soft peaks are those of the present walls, not of the pristine ones.
+    What is off is not compiled: the parameters are constants of the kernel, so that Numba drops
+    the branches of effects that do not act. ``current_peaks``: soft peaks are those of the
+    present walls, not of the pristine ones.
     """
 
     @kernel
@@ -187,7 +85,10 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         distance in cells, ``tolerance`` the largest relative change of a force that has settled.
         """
         ny, nx = upper.shape
-        around = empty_surroundings()
+        around_upper = np.empty(8)
+        around_lower = np.empty(8)
+        falls_upper = np.empty(8)
+        falls_lower = np.empty(8)
         locked = np.zeros((ny, nx), np.bool_)
         broken = 0
         for sweep in range(most_sweeps):
@@ -201,11 +102,62 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                 y, x = divmod(cells[i], nx)
                 if interaction:
                     elastic_displacement[y, x] = displacement_by_others(table, force, y, x)
-                overlap, kappa, steps = break_pair(
-                    upper, lower, y, x, offset, elastic_displacement[y, x], peaks, law,
-                    breakage_step, tie_tolerance, around, locked, breakage, gouge, current_peaks,
-                )  # fmt: skip
-                compliance = asperity_compliance(kappa, law.asperity_modulus[peaks[y, x]])
+                neighbourhood(upper, y, x, around_upper)
+                neighbourhood(lower, y, x, around_lower)
+                steps = 0
+                locked[y, x] = False
+                while True:
+                    overlap = upper[y, x] + lower[y, x] + offset - elastic_displacement[y, x]
+                    state = peaks[y, x]
+                    if current_peaks:
+                        state = 2 * is_peak(upper[y, x], around_upper)
+                        state += is_peak(lower[y, x], around_lower)
+                        peaks[y, x] = state
+                    kappa_upper = curvature_among(upper[y, x], around_upper, law)
+                    kappa_lower = curvature_among(lower[y, x], around_lower, law)
+                    kappa = kappa_upper + kappa_lower
+                    # 4. breakage: 4.3 until the contact holds with its new geometry
+                    if not breakage or not overlap > 0.0:
+                        break
+                    if not is_overstressed(
+                        overlap,
+                        kappa,
+                        law.critical_indentation[state],
+                        law.breaking_force[state],
+                        law.substrate,
+                        law.filling[state],
+                    ):
+                        break
+                    # 4.1 the pair is lowered, the sharper asperity more
+                    share = upper_share(kappa_upper, kappa_lower)
+                    if gouge:
+                        total_upper, least_upper = drops(
+                            upper[y, x], around_upper, tie_tolerance, falls_upper
+                        )
+                        total_lower, least_lower = drops(
+                            lower[y, x], around_lower, tie_tolerance, falls_lower
+                        )
+                        if total_upper == 0.0 and total_lower == 0.0:
+                            locked[y, x] = True
+                            break
+                        share = passed_share(share, total_upper, total_lower)
+                    loss_upper = breakage_step * share
+                    loss_lower = breakage_step * (1.0 - share)
+                    # 4.2 the gouge goes to the valleys around
+                    if gouge and loss_upper > 0.0:
+                        loss_upper = shed(
+                            around_upper, loss_upper, falls_upper, total_upper, least_upper
+                        )
+                        lay_back(upper, y, x, around_upper)
+                    if gouge and loss_lower > 0.0:
+                        loss_lower = shed(
+                            around_lower, loss_lower, falls_lower, total_lower, least_lower
+                        )
+                        lay_back(lower, y, x, around_lower)
+                    upper[y, x] -= loss_upper
+                    lower[y, x] -= loss_lower
+                    steps += 1
+                compliance = asperity_compliance(kappa, law.asperity_modulus[state])
                 answer = force_of_overlap(overlap, law.substrate, compliance)[0]
                 if answer != force[y, x]:
                     difference = abs(answer - force[y, x])
@@ -230,7 +182,10 @@ class ReferenceSolver:
     predict = None  # the paper's breakage is in fixed steps
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
+        """Bring the joint to rest at a closure [m]; return the state reached.
+
+        Steps of breakage are ``breakage_step`` [m].
+        """
         effects = joint.effects
         sweep_to_rest = reference_kernel(
             joint.interaction_acts,

@@ -53,7 +53,10 @@ def fewest_surfaces(covariates: int) -> int:
 
 
 def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
-    """Compute means of samples (k, n) at levels, adjusted by covariates (k, n, m)."""
+    """Compute means of samples (k, n) at k levels, adjusted by covariates (k, n, m).
+
+    ``paired`` is whether the n surfaces are the same at all levels.
+    """
     adjusted, coefficients = adjusted_values(samples, covariates, known.means)
     coefficients = coefficients.mean(axis=1)
     of_known = coefficients @ np.asarray(known.covariance) @ coefficients.T / known.surfaces
@@ -65,7 +68,7 @@ def adjusted_values(values, covariates, known_means) -> tuple[np.ndarray, np.nda
 
     The scatter of the values is the unexplained part. With the least-squares coefficients beta of
     all surfaces, residuals e and leverages h, those without surface i are
-    beta - (X'X)^-1 x_i e_i/(1 - h_i).
+    beta - (X'X)^-1 x_i e_i/(1 - h_i). Raise `InputError` if covariates are constant or dependent.
     """
     values = np.asarray(values, float)
     covariates = np.asarray(covariates, float)
@@ -101,7 +104,7 @@ def adjusted_deviations(
     because the plain mean correlates with the covariates.) This mean is adjusted by the covariates
     c and the squares (c - mean of c)^2, whose means are the known variances. The error neglects the
     uncertainty of these means: with a hundred times as many surfaces as were simulated it would add
-    a percent.
+    a percent. Without ``tell_scatter`` deviations (k,) and errors (k,) are not adjusted.
     """
     samples = np.asarray(samples, float)
     covariates = np.asarray(covariates, float)
@@ -138,9 +141,11 @@ def adjusted_length(
     significance: float = 0.05,
     tell_scatter: bool = True,
 ) -> tuple[float, BootstrapInterval]:
-    """Compute the length of the unpaired test from adjusted means and deviations, NaN if no root.
+    """Compute the indifference length of the unpaired test from adjusted means and deviations.
 
-    Return it with its interval, by draws of means and deviations within their errors.
+    ``samples`` (k, n) and ``covariates`` (k, n, m) are at k levels, one of them the base. Return
+    the length, NaN without a root, and its interval by draws of means and deviations within their
+    errors.
     """
     means = adjusted_means(samples, covariates, known, paired=False)
     deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)

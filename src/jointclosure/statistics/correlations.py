@@ -42,11 +42,11 @@ class Quadratic(NamedTuple):
 
 
 def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadratic:
-    """Fit the quadratic through three levels, or the least-squares one through more.
+    """Fit the quadratic to values (..., k) at levels (k,): through three, by least squares to more.
 
-    The fit uses differences from the base value, to keep all digits of a response that is small
-    compared with its mean. A coefficient b or c that may result from rounding of levels and values
-    is set to 0, so that a straight line stays straight.
+    One level is the base. The fit uses differences from the base value, to keep all digits of a
+    response that is small compared with its mean. A coefficient b or c that may result from
+    rounding of levels and values is set to 0, so that a straight line stays straight.
     """
     levels = np.asarray(levels, dtype=float)
     values = np.asarray(values, dtype=float)
@@ -83,7 +83,11 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
 def lack_of_fit(
     levels: np.ndarray, means: Any, deviations: Any, samples: int, quadratic: Quadratic
 ) -> float:
-    """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels."""
+    """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels.
+
+    Means and standard deviations (k,) are of so many ``samples`` at each level. NaN if the test is
+    not possible.
+    """
     freedom = len(levels) - 3
     scatter = float(np.mean(np.square(deviations)))
     if freedom < 1 or scatter == 0.0:
@@ -93,7 +97,7 @@ def lack_of_fit(
 
 
 def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
-    """Return the p value that a quadratic fits the means, for the same surfaces at k levels.
+    """Return the p value that a quadratic fits the means of samples (k, n) on the same n surfaces.
 
     Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic. They are
     computed on each surface, so that contributions equal at all levels cancel.
@@ -120,7 +124,10 @@ class QuadraticErrors(NamedTuple):
 
 
 def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) -> QuadraticErrors:
-    """Compute the errors of the coefficients of `fit_quadratic`."""
+    """Compute the errors of the coefficients of `fit_quadratic`.
+
+    ``covariance`` (k, k) is that of the values at the levels (k,).
+    """
     levels = np.asarray(levels, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
     fit = np.linalg.pinv(np.vander((levels - base) / half_range, 3))
@@ -133,7 +140,7 @@ def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) ->
 
 
 def elasticity(levels: np.ndarray, samples: np.ndarray, base: float, paired: bool) -> Estimate:
-    """Compute d ln(mean)/d ln(parameter) at the base, from the fitted quadratic."""
+    """Compute d ln(mean)/d ln(parameter) at the base from samples (k, n) at levels (k,)."""
     samples = np.asarray(samples, dtype=float)
     return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
 
@@ -141,7 +148,7 @@ def elasticity(levels: np.ndarray, samples: np.ndarray, base: float, paired: boo
 def elasticity_of(
     levels: np.ndarray, means: np.ndarray, covariance: np.ndarray, base: float
 ) -> Estimate:
-    """Compute the `elasticity` from means (k,) at levels (k,)."""
+    """Compute the `elasticity` from means (k,) at levels (k,) and their covariance (k, k)."""
     mean = fit_quadratic(levels, means, base)
     value = mean.elasticity()
     reduced = quadratic_errors(levels, covariance, base).covariance

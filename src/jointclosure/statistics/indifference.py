@@ -68,7 +68,10 @@ def _horner(u: Any, coefficients: Any) -> Any:
 
 
 def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """Return the real root of largest magnitude (m,) of polynomials (m, degree + 1)."""
+    """Return the real root of largest magnitude (m,) of polynomials (m, degree + 1), NaN if none.
+
+    Coefficients are in descending order of powers.
+    """
     coefficients = np.asarray(coefficients, dtype=float)
     if coefficients.shape[1] != 5:
         return _largest_isolated_roots(coefficients)
@@ -446,7 +449,7 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
 def closest_roots(quartics: np.ndarray) -> np.ndarray:
     """Return the real roots (m,) closest to 0 of quartics (m, 5), NaN if there is none.
 
-    They are positive for significant changes. Their constant is 0 without scatter at 0.
+    A quartic is positive where a change is significant. Its constant is 0 without scatter at 0.
     """
     usual = quartics[:, 4] < 0.0
     roots = np.full(usual.size, np.nan)
@@ -490,7 +493,11 @@ def checked(
     base: float | None,
     many: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Return levels, means and deviations as arrays, and the base; raise `InputError`."""
+    """Return levels, means and deviations as arrays, and the base.
+
+    Raise `InputError` if one of them is not allowed. With ``many`` means and deviations may be
+    (..., k).
+    """
     levels = real_array("levels", levels)
     means = real_array("means", means)
     deviations = real_array("standard_deviations", deviations)
@@ -550,7 +557,11 @@ def paired_indifference_interval(
     base: float | None = None,
     surfaces: int | None = None,
 ) -> PairedInterval:
-    """Compute the smallest significant change in a paired t test on the same surfaces."""
+    """Compute the smallest significant change in a paired t test on the same surfaces.
+
+    ``samples`` (k, n) are the responses at levels (k,), ``base`` is by default the middle level.
+    ``surfaces`` is the number of surfaces of the test, by default n.
+    """
     base = float(levels[levels.size // 2]) if base is None else base
     n = samples.shape[1] if surfaces is None else surfaces
     mean, scatter, critical, (u,) = _solve_pairs(levels, samples[None], n, significance, base)
@@ -626,7 +637,7 @@ def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> Di
 
 
 def p_of_difference(first: np.ndarray, second: np.ndarray, paired: bool) -> float:
-    """Return the two-sided p of the t test that two levels have the same mean."""
+    """Return the two-sided p of the t test that samples (n,) at two levels have the same mean."""
     n = first.size
     change = second - first
     if paired:

@@ -1,4 +1,4 @@
-"""Repetitions of a published study, drawn from pools of closed surfaces, and a table against them.
+"""Repetitions of a published study, drawn from simulated surfaces, and a table against them.
 
 A study draws n surfaces for every level of every parameter, independently, as the paper did, and
 publishes the lengths of its indifference intervals. A pool of N surfaces per case is itself a
@@ -53,7 +53,7 @@ class Pool(NamedTuple):
 
 
 class Sensitivity(NamedTuple):
-    """One parameter of one rock: levels (k,), ascending, from ``base``, and a pool for each."""
+    """One parameter of one rock: ascending levels (k,), one of them the base, and their pools."""
 
     levels: np.ndarray
     base: float
@@ -92,7 +92,10 @@ def draw_studies(
     repetitions: int,
     random: np.random.Generator,
 ) -> dict[Key, DrawnResponse]:
-    """Draw repetitions of a study with independent draws at every level."""
+    """Draw repetitions of a study with independent draws at every level.
+
+    Parameters whose base pools have one name share the surfaces that are drawn at the base.
+    """
     resampled: dict[str, np.ndarray] = {}
     at_base: dict[str, np.ndarray] = {}
     of_base: dict[tuple[str, tuple[int, ...], bytes], tuple[np.ndarray, np.ndarray]] = {}
@@ -163,7 +166,13 @@ def repetitions_of_pool(repetitions: int) -> int:
 
 
 def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
-    """Return standard errors (...) of shares of repetitions due to the surfaces of the pool."""
+    """Return standard errors (...) of shares of repetitions due to the surfaces of the pool.
+
+    ``shares`` (pools, ...) are those in so many ``repetitions`` from each resampled pool. Their
+    variance contains that of the repetitions, which is subtracted. With ``again`` (pools,), shares
+    in other repetitions from the same pools, it is the root of the covariance of both. NaN where at
+    most half of the shares are known.
+    """
     if len(again):
         both = np.array([shares, again], dtype=float)
         both = both[:, np.isfinite(both).all(axis=0)]
@@ -192,8 +201,8 @@ def _moments(pool: Pool, resampled: np.ndarray, index: np.ndarray) -> tuple[np.n
 class LengthDistribution(NamedTuple):
     """Median, ranges, and share of repetitions without a root, whose length is infinite.
 
-    Ranges leave out the same probability at both ends, and more than their nominal probability is
-    covered by one that ends at infinity.
+    A range leaves out the same probability at both ends. One that ends at infinity covers more than
+    its nominal probability.
     """
 
     median: float
@@ -237,7 +246,7 @@ class JointTest(NamedTuple):
 
 
 def joint_test(lengths: np.ndarray, observed: np.ndarray) -> JointTest:
-    """Test a table, or some of its entries, against repetitions of a study.
+    """Test a table (entries,) against the lengths (R, entries) of repetitions of a study.
 
     Densities are Gaussian kernel estimates of log(length) (Silverman's bandwidth) with a heavy tail
     of weight `TAIL_SHARE`. For p the repetitions are divided into two halves. Each half, and the

@@ -30,7 +30,7 @@ class Interval(NamedTuple):
         return max(abs(self.low), abs(self.high))
 
     def within(self, limit: float) -> bool | None:
-        """Return whether the magnitude is at most a limit; None if the interval decides neither."""
+        """Return whether the magnitude is at most a limit; None if the interval leaves it open."""
         if self.most <= limit:
             return True
         return False if self.low > limit or self.high < -limit else None
@@ -84,11 +84,11 @@ def best_plan(
     within: float,
     budget: float | None = None,
 ) -> Plan | None:
-    """Return the cheapest plan with a half-width, or the best one for a time [s]; None if too few.
+    """Return the cheapest plan of a mean whose half-width is at most ``within``.
 
-    ``deviations`` are standard deviations of the cheap level and of the differences, ``seconds``
-    the times of a joint at the cheap level and of a difference at both. A budget replaces the
-    half-width.
+    With a ``budget`` [s] it is the plan of smallest half-width for this time; None if that is too
+    short for any. ``deviations`` are standard deviations of the cheap level and of the differences,
+    ``seconds`` the times of a joint at the cheap level and of a difference, at both levels.
     """
     joints = FEWEST
     best = None
@@ -119,7 +119,7 @@ def _squared_error(samples: np.ndarray) -> float:
 
 
 def _interval_about(value: float, squares: list[float], freedoms: list[int]) -> Interval:
-    """Return an interval about a value from the squared errors of its parts and their freedoms."""
+    """Return an interval about a value, from squared errors of its parts and degrees of freedom."""
     total = sum(squares)
     if not math.isfinite(total):
         return Interval(value, -math.inf, math.inf)

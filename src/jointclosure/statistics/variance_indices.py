@@ -48,7 +48,7 @@ class Term(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Fitted function; ``values`` (d,) are the numbers of values (0: continuous input)."""
+    """Fitted function of d inputs; ``values`` (d,) are their numbers of values (0: continuous)."""
 
     values: tuple[int, ...]
     terms: tuple[Term, ...]
@@ -162,7 +162,12 @@ def _sobol_points(inputs: int, rows: int, seed: int) -> np.ndarray:
 
 
 def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
-    """Estimate first and total indices of every input."""
+    """Estimate first and total indices of every input.
+
+    ``points`` (N, d + 2, d) are as from `sampled_rows`, ``responses`` (N, d + 2, 2) are those on
+    two surfaces, ``values`` (d,) as for `Fit`. Raise `InputError` for other shapes, fewer rows than
+    two for each part, or responses that are not finite.
+    """
     points = np.asarray(points, float)
     responses = np.asarray(responses, float)
     n, columns, d = points.shape
@@ -220,9 +225,11 @@ def shapley_effects(
 ) -> np.ndarray:
     """Compute Shapley effects of fitted functions: shares of their variance that sum to 1.
 
-    Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms of independent inputs share
-    their variance equally. The others are grouped by the independent inputs that they contain, each
-    group a game; the variance due to inputs J is the covariance of responses that share only x_J.
+    ``coefficients`` (terms, ...) are those of `terms_of`; ``correlations`` those of inputs, as
+    normal variables, by pair. Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms
+    of independent inputs share their variance equally. The others are grouped by the independent
+    inputs that they contain, each group a game; the variance due to inputs J is the covariance of
+    responses that share only x_J.
     """
     d = len(values)
     coefficients = np.asarray(coefficients, dtype=float)

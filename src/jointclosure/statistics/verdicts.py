@@ -24,7 +24,11 @@ class Frequency(NamedTuple):
 
 
 def verdict(interval: tuple[float, float], above: float, alike: float | None = None) -> str:
-    """Decide whether a claim about a number is true, from the number's confidence interval."""
+    """Return the verdict on the claim that a number exceeds ``above``, by its confidence interval.
+
+    With ``alike`` a number from -alike to alike counts as no difference, and the claim falls only
+    below that. Raise `InputError` if a limit is not allowed.
+    """
     low, high = interval
     if low > high:
         raise InputError(f"interval = ({low!r}, {high!r}): must be (low, high), low <= high")
@@ -46,7 +50,8 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
 def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:
     """Return the frequency of a count of n repetitions, with the error of their pool.
 
-    `InputError` if there is no repetition, the count is not from 0 to n, or the error negative.
+    Raise `InputError` if there is no repetition, the count is not from 0 to n, or the error is
+    negative.
     """
     check_count("n", n)
     check_count("count", count, 0, n)

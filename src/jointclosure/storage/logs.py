@@ -49,7 +49,7 @@ def logging_to(
         Path(path).parent.mkdir(parents=True, exist_ok=True)
     start = time.monotonic()
     used = time.process_time()
-    if not raised:  # what a script imported stays: no collection looks through it, also at its end
+    if not raised:  # garbage collection need not look at what a script imported, nor at its end
         gc.freeze()
     with (
         open(log, "w", encoding="utf-8", buffering=1) as stream,

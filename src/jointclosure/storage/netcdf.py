@@ -26,10 +26,11 @@ def write_netcdf(
     dimension: str | None = None,
     chunks: Mapping[str, int] = {},
 ) -> None:
-    """Write a dataset, compressed, completely or not at all; with regions of it one by one.
+    """Write a dataset, compressed, completely or not at all.
 
-    It then has one entry along the ``dimension``. Regions lack dimensions whose position is a
-    number; ``chunks`` are compressed together.
+    With a ``dimension`` the dataset has one entry along it, and ``regions`` (position, values) are
+    then written one by one. A region lacks dimensions in which its position is a number.
+    ``chunks`` are the lengths, by dimension, of blocks that are compressed together.
     """
     dataset = dataset.drop_encoding()
     encoding = dict[Any, dict[str, Any]]()
@@ -60,7 +61,7 @@ def write_netcdf(
 
 
 def _write_region(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
-    """Write the variables of a dataset that have a dimension of its position."""
+    """Write the variables of a region that have a dimension of its ``place`` in a file."""
     for name, variable in region.variables.items():
         dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):

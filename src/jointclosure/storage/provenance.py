@@ -29,7 +29,10 @@ def origin() -> dict[str, str]:
 
 
 def write_origin(folder: Path, note: str = "") -> None:
-    """Write beside stored results which commit made them, with a note on how."""
+    """Write `origin.json` to a folder of results.
+
+    It contains the present commit, the digest of the code, versions, the machine, and a note.
+    """
     made = origin()
     about = {"run": folder.name, "commit": made.pop("provenance_commit")} | made
     about |= {"note": note} if note else {}

@@ -10,7 +10,7 @@ from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
 from jointclosure.uncertainty.published_joints import measured_range
-from jointclosure.uncertainty.ranges import NUMBERS, WIDER
+from jointclosure.uncertainty.ranges import NUMBERS, WIDER, limits_of_error
 from jointclosure.uncertainty.results import (
     CLOSURE_NET,
     KNI,
@@ -35,25 +35,34 @@ MEASURED = (
     *measured_range("later_residual_share"),
 )
 """What is known of the model from three measured granodiorite joints."""
-OUTLYING = 0.15  # share of joints with random values beyond a best value that lies at their edge
+OUTLYING = 0.15  # share of random joints beyond the best value, below which it is at their edge
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
 UNRESOLVED = 0.005
-"""Share of the net closure of a cycle below which what stays of it is the error of its steps."""
+"""Residual closure over the net closure of a cycle, up to which it is the error of the steps."""
 
 
 class Budget(NamedTuple):
-    """Uncertainty budget of a closed joint.
+    """Uncertainty budget of a simulated joint.
 
-    ``results`` has a row per variant and cycle: ``source`` ("" for the joint itself, `ALL` for
-    random values of all), ``value``, ``status``, ``cycle`` and `QUANTITIES`, NaN if not closed.
-    ``ranges``, over (cycle, quantity), has the ``best`` value, that of the joint; ``low`` and
-    ``high``, between which 9 in 10 joints with random values lie; the same with other choices of
-    the model too (`WIDER`); and the share of each source in the latter, interactions included.
-    Sources taken as exact are ``omitted``. ``curves`` is the `stress_table` of the joint, with low
-    and high of each of `CURVES`; ``flow_status`` is there that of the variant of whose flow least
-    is known. ``choices`` describes the choices of the model that were changed. ``numerical`` is
-    that of `numerical_errors_of`.
+    Attributes
+    ----------
+    results : DataFrame
+        A row per variant and cycle: ``source`` ("" for the joint itself, `ALL` for random values of
+        all sources), ``value``, ``status``, ``cycle`` and `QUANTITIES`, NaN if the variant failed.
+    ranges : DataFrame
+        Over (cycle, quantity): ``best``, the value of the joint; ``low`` and ``high``, between
+        which 9 in 10 joints with random values lie; the same with other choices of the model too
+        (`WIDER`); and the share of each source in the latter range, interactions included.
+    omitted : tuple of str
+        Sources taken as exact.
+    curves : DataFrame
+        The `stress_table` of the joint, with low and high of each of `CURVES`. Its ``flow_status``
+        is that of the variant of whose flow least is known.
+    choices : tuple of str
+        Descriptions of the choices of the model that were changed.
+    numerical : DataFrame
+        As from `numerical_errors_of`.
     """
 
     results: pd.DataFrame
@@ -164,8 +173,7 @@ class Budget(NamedTuple):
     def record(self) -> list[dict]:
         """Return `ranges` and numerical errors for JSON, one entry per cycle and quantity."""
         rows = self.ranges.astype(object).where(self.ranges.notna(), None)
-        numerical = self.numerical.dropna(subset="error").set_index(["cycle", "quantity"])
-        errors = numerical.error.astype(float).to_dict()
+        errors = limits_of_error(self.numerical)
         return [
             {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
             | row[NUMBERS].to_dict()
@@ -213,7 +221,7 @@ class Budget(NamedTuple):
 
 
 def _shown(*values: float) -> tuple[str, ...]:
-    """Format numbers with two digits, and as 0 what is little beside the distance of the last."""
+    """Format numbers with two digits, as "0" below 0.5 % of the difference of the last two."""
     least = 0.005 * (values[-1] - values[-2])
     return tuple(_two_digits(0.0 if abs(value) < least else value) for value in values)
 

@@ -1,4 +1,4 @@
-"""Time and memory that joints will take, before they are closed."""
+"""Estimates of the time and memory that simulations will take."""
 
 import time
 from collections.abc import Mapping
@@ -13,9 +13,9 @@ from jointclosure.parameters import Effects, Numerics
 from jointclosure.uncertainty.variants import sources_of, threads_for, variants_of
 from jointclosure.walls.scan_errors import ScanErrors
 
-WINDOW = 128  # cells a side of the window of the walls that is closed to estimate the time
+WINDOW = 128  # cells along a side of the window of the walls that is simulated to estimate the time
 EXPONENTS = (1.15, 1.75)
-"""Smallest and largest power of the number of cells with which the time of a closure grows. From
+"""Smallest and largest power of the number of cells with which the time of a joint grows. From
 128 x 128 to 300 x 300 cells of eight pairs of walls (granite, JRC 8, 10 MPa, resolved breakage) it
 was 1.7 and 1.8 for independent walls with waves of all lengths, and 1.2 to 1.5 for walls that mate
 beyond 3 or 10 mm or have a roll-off of 3 mm."""
@@ -25,16 +25,17 @@ these walls with 200 x 200 and 300 x 300 cells were within the forecast."""
 BYTES = 1000  # memory for each cell, as measured between 100 x 100 and 400 x 400 cells
 BASE_BYTES = 300e6  # memory of the program with a small joint
 SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
-LARGEST = 1000 * 1000  # most cells that are closed without a stated grid spacing
+LARGEST = 1000 * 1000  # most cells that are simulated without a stated grid spacing
 RESOLVED_COST, TOLERANCE_COST, NO_GOUGE_COST = 9.0, 0.2, 9.0
 NO_BREAKAGE_COST, NO_INTERACTION_COST = 0.2, 0.7
-"""Time of a joint over that by the paper's steps with all effects: of resolved breakage at least,
-and times the tolerance; without gouge, and without breakage, by any steps; without interaction.
-As the two later joints of three took (100 x 100 cells): tolerances of 0.1, 0.02 and 0.004 8.9, 12
-and 47 times as long in dolerite, 7.3, 10 and 42 times in siltstone, 9.5 and 10 times in a granite
-of JRC 10 with waves of all lengths and a bound of strength; without gouge 9.3 and 9.1 times,
-without breakage 0.17 and 0.22, without interaction 0.64 and 0.89, without soft peaks 1.1 and 0.75
-times (dolerite, siltstone)."""
+"""Time of a joint over that by the paper's steps with all effects: with resolved breakage at least
+the first, or the second over the tolerance; without gouge at least the third; without breakage the
+fourth, by any steps; without interaction the fifth as a factor. Measured on the last two of three
+joints (100 x 100 cells): tolerances of 0.1, 0.02 and 0.004 took 8.9, 12 and 47 times as long in
+dolerite, 7.3, 10 and 42 times in siltstone, and the first two 9.5 and 10 times in a granite of JRC
+10 with waves of all lengths and a bound of strength. For dolerite and siltstone the factors were
+9.3 and 9.1 without gouge, 0.17 and 0.22 without breakage, 0.64 and 0.89 without interaction, and
+1.1 and 0.75 without soft peaks."""
 SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
 
 
@@ -82,10 +83,11 @@ def expected_cost(
     errors: ScanErrors | None = None,
     workers: int | None = None,
 ) -> Cost | None:
-    """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
+    """Estimate the cost of a joint of walls (y, x) [m]; None for one of up to `SMALL` cells.
 
-    The time of a window of the walls is multiplied by the powers `EXPONENTS` of the cells, and by
-    the closures of a range unless ``single``, of which ``workers`` are closed at the same time.
+    The time of a window of the walls is multiplied by the powers `EXPONENTS` of the number of
+    cells. Unless the joint is ``single``, the variants of its range (``ranges``, ``errors``) are
+    added, of which ``workers`` are simulated at the same time.
     """
     sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
     if upper.size <= SMALL:
@@ -104,7 +106,7 @@ def expected_cost(
 
 
 def relative_cost(effects: Effects, numerics: Numerics) -> float:
-    """Return about the time of a joint over that by the paper's steps with all effects."""
+    """Return the approximate time of a joint over that by the paper's steps with all effects."""
     if not effects.breakage:
         return NO_BREAKAGE_COST
     cost = 1.0
@@ -118,7 +120,7 @@ def relative_cost(effects: Effects, numerics: Numerics) -> float:
 def _time_of_window(
     upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
 ) -> tuple[float, int]:
-    """Return the processor time [s] of closing the middle of two walls, and its cells."""
+    """Return the processor time [s] to simulate the middle of two walls, and its cells."""
     corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
     window = tuple(slice(corner, corner + size) for corner in corners)
     start = time.process_time()

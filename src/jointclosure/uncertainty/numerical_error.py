@@ -1,12 +1,12 @@
 """Numerical error of a result of one joint, as a statement that holds in at least nine of ten.
 
 Two things are observed. The joint with other steps shows how results move with the tolerance. Its
-copies, which must close alike but for rounding (`uncertainty.variants.COPIES`), show how results
-scatter with the order in which asperities break. Neither shows all: a group of asperities that
-breaks by a tolerance, in all copies, may not break by a finer one. The variance of the copies is
-therefore combined with an expected one, as in the estimate of a variance from a few values and a
-prior (Gelman et al. 2013, section 2.6). On the first cycle it falls with the number of cells in
-contact, of which a group is a part.
+copies, whose results would be equal but for rounding (`uncertainty.variants.COPIES`), show how
+results scatter with the order in which asperities break. Neither shows all: a group of asperities
+that breaks with one tolerance, in all copies, may not break with a finer one. The variance of the
+copies is therefore combined with an expected one, as in the estimate of a variance from a few
+values and a prior (Gelman et al. 2013, section 2.6). On the first cycle it falls with the number of
+cells in contact, of which a group is a part.
 
 The constants below were chosen on 107 random joints, 28 of seed 7 and 79 of seed 11. How they hold
 on further ones is measured by `benchmarks/numerical_error.py`, whose table docs/accuracy.md has.

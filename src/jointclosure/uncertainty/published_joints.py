@@ -26,8 +26,10 @@ class Measured(NamedTuple):
 
 @cache
 def _table() -> pd.DataFrame:
-    """Return joint, quantity, value, low, high; with ratios of later stiffness to the first, whose
-    ends are those of all joints, as it is not recorded which joint has which.
+    """Return the table of values (joint, quantity, value, low, high).
+
+    Ratios of later stiffness to the first are added. Their ends are those of all joints, because it
+    is not recorded which joint has which stiffness.
     """
     table = read_csv(_TABLE).astype({"joint": str})
     first = table[table.quantity == "first_stiffness"].iloc[0]

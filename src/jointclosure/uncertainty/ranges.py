@@ -3,11 +3,11 @@
 The range is due to what is not known of this joint: errors of the scans and of the numerics, the
 order of breakage, and properties whose ranges are stated. The change of a result is expected to be
 the sum of its changes with each source varied alone. The departures from it are those of joints
-that were closed with random values of all these sources. The range is between the 5 and 95 %
-quantiles of the expected changes for further random values, which need no closures, with
+that were simulated with random values of all these sources. The range is between the 5 and 95 %
+quantiles of the expected changes for further random values, which need no simulations, with
 departures of a further joint: Student's t of the few that are known (JCGM 101:2008). Changes of
-positive results are those of logarithms, those of a share are of its odds. The range contains the
-joint as it was closed.
+positive results are those of logarithms, those of a share are those of its odds. The range contains
+the joint itself.
 
 Choices of the model, such as the grid spacing, hold for all joints. Each is changed alone; their
 effects are added in the wider range with other choices, centred on the usual ones.
@@ -44,16 +44,17 @@ OUTSIDE = 0.05  # probability of a result below the range, and of one above it
 WIDENED = {"aperture": 1.6, "hydraulic": 1.6, "contact": 1.6}
 """Factors of the width of ranges of apertures and contact, by a word of the name of the result.
 Nine in ten of 34 pairs of known truth (seeds 2000 to 2042 of benchmarks/range_coverage.py) needed
-them: the sources above do not have all that noise and interpolation do to cells that just touch."""
+them, because the sources do not contain all effects of noise and interpolation on cells that just
+touch."""
 WIDENED_LATER = 1.25
-"""The same for all other results from the second cycle on, which depend on what the first broke."""
+"""The same for all other results from the second cycle on, which depend on what broke before."""
 ENDS = ["low", "high"]  # of a range
 WIDER = [
     "low_with_choices",
     "high_with_choices",
-]  # of that which has other choices of the model too
+]  # of the range with other choices of the model too
 NUMBERS = ["best", *ENDS, *WIDER]
-"""Columns of `Budget.ranges` that are no shares."""
+"""Columns of `Budget.ranges` other than shares of sources."""
 
 
 def numerical_errors_of(results: pd.DataFrame, shared: bool, cells: int) -> pd.DataFrame:
@@ -108,11 +109,11 @@ def ranges_of(
     further: np.ndarray,
     limits: Mapping[tuple[int, str], float] = {},
 ) -> pd.DataFrame:
-    """Compute `Budget.ranges` of `Budget.results`, of which ``shares`` (draws, sources) are the
-    random values of the joints closed with `ALL`, as for `Source.at`, and ``further`` (n, sources).
+    """Compute `Budget.ranges` from `Budget.results`.
 
-    A range is at least as wide as the limit of the numerical error of its result
-    (`limits_of_error`).
+    ``shares`` (draws, sources) are the random values, as for `Source.at`, of the joints simulated
+    with all sources at random (`ALL`), ``further`` (n, sources) those of further joints. A range is
+    at least as wide as the limit of the numerical error of its result (`limits_of_error`).
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
@@ -157,8 +158,9 @@ def _range_of(
 ) -> dict[str, float]:
     """Return a row of `Budget.ranges` from the results of the variants of each source.
 
-    Changes are factors if the ``least`` result, by default of the variants, is positive. Ranges
-    are ``widened`` about the joint by a factor, and contain the numerical ``error`` [1] of it.
+    ``shares`` and ``further`` are as for `ranges_of`. Changes are factors if the ``least`` result,
+    by default of the variants, is positive. Ranges are ``widened`` about the joint by a factor, and
+    contain its numerical ``error`` [1].
     """
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
@@ -277,9 +279,9 @@ def bands_of(
 
 
 def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return the slope of changes (draws,) against those expected, and departures from the line.
+    """Return the slope of changes (draws,) over expected ``sums``, and departures from the line.
 
-    It is at most 1, as sources with the same effect do not add up.
+    The slope is at most 1, because sources with the same effect do not add up.
     """
     known = np.isfinite(drawn)
     drawn = drawn[known]
@@ -295,8 +297,10 @@ def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]
 def total_indices(
     alone: Mapping[str, float], random: Mapping[str, np.ndarray], departures: float
 ) -> dict[str, float]:
-    """Return the total index of each source, from the variances by each source ``alone``, the
-    changes of a result in the draws of each ``random`` source, and the variance of departures.
+    """Return the total index of each source in the variance of a result (see the module).
+
+    ``alone`` are the variances by each source, ``random`` the changes of the result in the draws of
+    each random source, and ``departures`` is the variance of the departures.
     """
     scatter = {}
     for name, values in random.items():

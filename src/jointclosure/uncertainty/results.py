@@ -35,7 +35,7 @@ QUANTITIES = {
 
 
 def results_of(history: xr.Dataset) -> pd.DataFrame:
-    """Return cycles and `QUANTITIES` of a joint that did not fail."""
+    """Return a table of `QUANTITIES` by cycle of a joint that did not fail."""
     table = cycle_table(history)
     laws = fitted_laws(history, ["hyperbolic"], [LOADING])
     stiffness = net_responses(history)["stiffness_net"]

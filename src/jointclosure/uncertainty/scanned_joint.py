@@ -3,8 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from pathlib import Path
-from typing import Any, NamedTuple, Unpack
+from typing import NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
@@ -12,14 +11,14 @@ import xarray as xr
 
 from jointclosure.execution.progress import bar, closing_bar
 from jointclosure.execution.workers import number_of_workers
-from jointclosure.inputs import InputError, naming
-from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.conditions import (
+    RESOLVED,
     Changes,
     Conditions,
     check_named_stresses,
     conditions_from,
+    takes_scans,
 )
 from jointclosure.joint.curves import table_levels
 from jointclosure.joint.history import with_snapshots
@@ -31,35 +30,18 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import close_checked
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
-from jointclosure.parameters import Numerics
+from jointclosure.parameters import check_choices
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.variants import uncertainty_budget
-from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.measures import joint_jrc
-from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
-from jointclosure.walls.scans import read_scan
-
-Wall = str | Path | Sequence[str | Path] | Scan | Cloud
-"""A wall: file or three files of x, y and heights, scan, or "flat"."""
-RESOLVED = Numerics(
-    breakage="resolved",
-    tolerance=0.02,
-    displacement_step=3e-6,
-    later_displacement_step=3e-6,
-    breakage_step=1e-6,
-    later_breakage_step=1e-6,
-)
-"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
-steps, from which resolved breakage starts, are short enough for smooth curves."""
-takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
-"""Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
-resolved unless numerics are given, and scans determine the spacing."""
+from jointclosure.walls.wall_files import Wall, registered_walls
 
 
 class ClosedJoint(NamedTuple):
@@ -224,6 +206,7 @@ def close(
         spikes=spikes,
         unusual_values=stated.unusual_values,
     )
+    check_choices(checked.choices, pair.spacing)  # lengths of the model against the cells
     conditions = checked._replace(spacing=pair.spacing)
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
     remark = _Remarks(printed=progress)
@@ -298,9 +281,9 @@ def _simulated(
     The force is that at the largest stress, of which a snapshot is taken and given up again.
     """
     if not pair.holes.any():
-        return close_walls(pair.upper, pair.lower, conditions, report, snapshots), []
+        return close_checked(pair.upper, pair.lower, conditions, report, snapshots), []
     with_largest = (*snapshots, float(conditions.largest_stress))
-    history = close_walls(pair.upper, pair.lower, conditions, report, with_largest)
+    history = close_checked(pair.upper, pair.lower, conditions, report, with_largest)
     return with_snapshots(history, snapshots), _force_in_holes(pair, history)
 
 
@@ -338,46 +321,3 @@ def _force_in_holes(pair: RegisteredPair, history: xr.Dataset) -> list[str]:
     stress = 1e-6 * float(history.snapshot_stress[highest])
     words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
     return [caution(words) if share > 0.0 else words]
-
-
-def registered_walls(
-    upper: Wall,
-    lower: Wall,
-    scans: Mapping[str, Any],
-    spacing: float | None = None,
-    **options: Any,
-) -> RegisteredPair:
-    """Read and register two walls; the message of an error names their files.
-
-    ``scans`` are keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower);
-    ``options`` are those of `registered`.
-    """
-    for name, value in scans.items():
-        if isinstance(value, tuple | list) and len(value) != 2:
-            raise InputError(f"{name} = {value!r}: must be one value, or one for each wall")
-    above, below = (
-        read_wall(wall, **{k: v[n] if isinstance(v, tuple | list) else v for k, v in scans.items()})
-        for n, wall in enumerate((upper, lower))
-    )
-    if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
-        return registered(above, below, spacing, **options)
-    names = (
-        ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
-        for wall in (upper, lower)
-    )
-    with naming(" and ".join(names)):
-        return registered(above, below, spacing, **options)
-
-
-def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:
-    """Return a scan or "flat", read from its file; keywords as for `jointclosure.read_scan`."""
-    if isinstance(wall, Scan | Cloud):
-        return wall
-    if isinstance(wall, str | Path) and str(wall) == FLAT:
-        return FLAT
-    if not isinstance(wall, str | Path | tuple | list):
-        raise InputError(
-            f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
-            "walls that are arrays, with heights towards each other, are closed by simulate"
-        )
-    return read_scan(wall, **stated)

@@ -31,10 +31,11 @@ SHARED = "shared"  # kind of a source whose second value all variants have
 class Source(NamedTuple):
     """A source of uncertainty, by its kind.
 
-    Of a "range" the ends, of a "choice" the alternatives, that of the joint first; of what is
-    "random" the draws, that of the joint (none) first. Of a "shared" source all other variants have
-    the second value, and are compared with the joint that differs by it alone. A source that is not
-    ``varied`` is a choice of the model: it is changed alone, and is no part of the range.
+    ``values`` are the ends of a "range", the alternatives of a "choice" with that of the joint
+    first, or the draws of a "random" source with that of the joint (none) first. All variants of
+    other sources have the second value of a "shared" source, and are compared with the joint that
+    differs by it alone. A source that is not ``varied`` is a choice of the model: it is changed
+    alone, and is no part of the range.
     """
 
     values: tuple

@@ -1,10 +1,10 @@
-"""Closures of a joint in which what is not known of it, or chosen by the model, has other values.
+"""Simulations of a joint with other values of what is not known of it, or chosen by the model.
 
 Each source of uncertainty is varied alone. Then those that the range is due to are varied together:
 16 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
-the model that no range is stated of keep their usual values in these. Random numbers of a source do
-not depend on the other sources. With resolved breakage all variants have twice the tolerance, which
-halves their time and hardly changes what a source does.
+the model without a stated range keep their usual values in these. Random numbers of a source do not
+depend on the other sources. With resolved breakage all variants have twice the tolerance, which
+halves their time and hardly changes the effect of a source.
 """
 
 import math
@@ -47,21 +47,21 @@ VARIED = {name: key_of(name) for name in OF_ROCK} | {
     "spacing": "spacing_mm",
 }
 """Sources whose range can be stated, and their keys with units."""
-DRAWS = 16  # joints that are closed with random values of all sources
+DRAWS = 16  # joints that are simulated with random values of all sources
 SEED = 3496
 """Seed of their random values: of 4,000 one with small correlations (at most 0.24 between the
 sources that are always there, 0.35 with those of the rock; medians of all seeds 0.50, 0.56), so
 that sources are not confounded."""
 FURTHER = 10_000  # further joints with random values whose results are estimated for the range
-FEWER = 10  # part of them that bands of curves are estimated from
-CELLS = 2_000_000  # of all joints that are closed at the same time; each takes 1 kB
+FEWER = 10  # every so many of them are used for bands of curves
+CELLS = 2_000_000  # of all joints that are simulated at the same time; each cell takes 1 kB
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "as it is": lambda wall: wall,
     "last digits": lambda wall: wall * (1.0 + 1e-12),
     "mirrored": lambda wall: np.ascontiguousarray(wall[:, ::-1]),
     "transposed": lambda wall: np.ascontiguousarray(wall.T),
 }
-"""Copies of a wall that close alike but for rounding and the order of breakage."""
+"""Copies of a wall whose results are equal but for rounding and the order of breakage."""
 _FIELDS = {"spacing": "step", "registration": "place", ORDER: "copy"} | {
     name: name for name in ("noise", "resolution", "scale", "holes")
 }
@@ -69,10 +69,11 @@ _FIELDS = {"spacing": "step", "registration": "place", ORDER: "copy"} | {
 
 
 class Variant(NamedTuple):
-    """A joint with other values: every ``step``-th cell of the grid, random draws of errors of the
-    scans by their number (``place``, ``noise``, ``resolution``, ``scale``, ``holes``; 0 for none),
-    and one of `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not
-    resolve.
+    """A joint with other values of one source or of all.
+
+    Its walls have every ``step``-th cell of the grid, random draws of errors of the scans by their
+    number (``place``, ``noise``, ``resolution``, ``scale``, ``holes``; 0 for none), and are one of
+    `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not resolve.
     """
 
     source: str
@@ -123,7 +124,7 @@ class Variant(NamedTuple):
 
 
 def coarser(numerics: Numerics, factor: float) -> Numerics:
-    """Return resolved numerics with ``factor`` times the tolerance and the first steps."""
+    """Return numerics with the tolerance and all steps multiplied by a factor."""
     steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
     scaled = {name: factor * getattr(numerics, name) for name in (*steps, "tolerance")}
     return numerics._replace(**scaled)
@@ -135,7 +136,11 @@ def sources_of(
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
 ) -> dict[str, Source]:
-    """Return the sources of uncertainty of (ny, nx) cells by name; ``ranges`` are of `VARIED`."""
+    """Return the sources of uncertainty of a joint of (ny, nx) cells by name.
+
+    ``ranges`` are stated ones of `VARIED`, ``errors`` those of scanned walls. Raise `InputError` if
+    a range is not allowed.
+    """
     _check_ranges(conditions, ranges)
     effects = conditions.effects
     numerics = conditions.numerics
@@ -199,7 +204,7 @@ def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Sourc
 def variants_of(
     conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = SEED
 ) -> Iterator[Variant]:
-    """Generate the variants of a joint: each source changed alone, then ``draws`` at random."""
+    """Generate the variants of a joint: each source changed alone, then all ``draws`` times."""
     joint = Variant("", "", conditions)
     for name, source in sources.items():
         if source.kind == SHARED:
@@ -260,11 +265,12 @@ def uncertainty_budget(
     workers: int | None = None,
     at: Sequence[float] = (),
 ) -> Budget:
-    """Close walls (y, x) [m] with each source of uncertainty changed alone, and all at random.
+    """Return the uncertainty budget of the joint of walls (y, x) [m].
 
-    ``closed`` is the joint itself if it was closed before; ``report`` receives the finished share
-    and the name of the variant; ``errors`` are those of scanned walls; ``at`` are stresses [Pa]
-    that curves have besides round ones.
+    The joint is simulated with each source changed alone, and with all at random. ``closed`` is the
+    joint itself, if it is simulated already. ``report`` receives the finished share and the name of
+    the variant. ``errors`` are those of scanned walls, ``at`` are stresses [Pa] that curves have
+    besides round ones.
     """
     conditions = conditions.checked()
     sources = sources_of(conditions, upper.shape, ranges, errors)
@@ -327,7 +333,7 @@ def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
 
 
 def threads_for(cells: int, workers: int | None = None) -> int:
-    """Return the number of joints of so many cells that are closed at the same time."""
+    """Return the number of joints of so many cells that are simulated at the same time."""
     return max(1, min(number_of_workers(workers), CELLS // cells))
 
 

@@ -10,7 +10,10 @@ Walls = tuple[np.ndarray, np.ndarray]
 
 
 def shifted(walls: Walls, cells: Sequence[int]) -> Walls:
-    """Shift the upper wall by (y, x) cells towards the origin; keep the cells that both cover."""
+    """Return walls with the upper one shifted by (y, x) cells towards the origin.
+
+    They have the cells that both walls cover.
+    """
     upper, lower = walls
     for axis, count in enumerate(cells):
         kept = np.arange(upper.shape[axis] - abs(count))

@@ -101,14 +101,17 @@ def holes(known: np.ndarray) -> np.ndarray:
 
 
 def fill_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
-    """Fill gaps of one or two cells in a wall (y, x), except in holes, by linear interpolation."""
+    """Return a wall (y, x) whose gaps of one or two cells, except in holes, are filled linearly."""
     known = np.isfinite(wall)
     dropouts = _closed_gaps(known) & ~(known | hole)
     return np.where(dropouts, filled(wall, "linear", 1.0), wall) if dropouts.any() else wall
 
 
 def point_distance(scan: Scan | Cloud) -> float:
-    """Distance of neighbouring points [m]: the larger spacing of a grid, the mean of a cloud."""
+    """Return the distance of neighbouring points [m]: the larger one of a grid, a cloud's mean.
+
+    Raise `InputError` if the points of a cloud lie on one line.
+    """
     if isinstance(scan, Scan):
         return max(scan.spacing)
     try:
@@ -136,7 +139,12 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
 
 
 def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = None) -> np.ndarray:
-    """Return heights (y, x) [m] of a scan less its plane on a grid, NaN where unknown."""
+    """Return heights (y, x) [m] of a scan less its plane on a grid, NaN where unknown.
+
+    ``box`` (2, 2) are the lowest and highest place (x, y) [m] of the grid of a cloud, by default
+    those of its points. Raise `InputError` if the grid is finer than the scan, has too many cells
+    for the points, or the scan is too small or too inclined.
+    """
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
         finer = f"finer than the scan, whose points are {1e3 * distance:.4g} mm apart"
@@ -170,7 +178,7 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 
 def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
-    """Take the heights of a grid at the nodes of a coarser one, one of them at ``anchor`` (y, x).
+    """Return the heights of a grid at the nodes of a coarser one, one of them at ``anchor`` (y, x).
 
     Single heights keep the slopes of the wall, which means over cells would make smaller.
     """
@@ -204,7 +212,10 @@ def _heights_less_plane(scan: Scan | Cloud) -> np.ndarray:
 def heights_between(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Interpolate heights linearly at nodes (..., 2) between places (n, 2) within ``reach`` [m]."""
+    """Interpolate heights (n,) [m] at places (n, 2) [m] linearly to nodes (..., 2) [m].
+
+    Nodes outside of the places, or without a place within ``reach`` [m], are NaN.
+    """
     count = min(12, len(places))  # enough for the Delaunay triangle of all
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
     nearest = distances[..., 0]
@@ -267,7 +278,11 @@ def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray
 
 
 def filled(wall: np.ndarray, missing: str, most: float = LARGEST_FILLED_SHARE) -> np.ndarray:
-    """Refuse, avoid or fill missing cells (NaN) of a wall (y, x), up to a share of all cells."""
+    """Return a wall (y, x) whose missing cells (NaN) are filled, or kept to be avoided.
+
+    ``missing`` is one of `MISSING`. Raise `InputError` if a cell is missing that may not be, or if
+    more than the share ``most`` of all cells would be filled.
+    """
     holes = ~np.isfinite(wall)
     check_one_of("missing", missing, MISSING)
     if not holes.any() or missing == "avoid":
@@ -293,7 +308,7 @@ def filled(wall: np.ndarray, missing: str, most: float = LARGEST_FILLED_SHARE) -
 
 
 def nearest_filled(heights: np.ndarray) -> np.ndarray:
-    """Replace missing heights by the nearest known height."""
+    """Return heights (y, x) with missing ones (NaN) replaced by the nearest known height."""
     holes = ~np.isfinite(heights)
     if not holes.any():
         return heights

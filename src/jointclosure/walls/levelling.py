@@ -45,7 +45,7 @@ def _inclination(plane: Plane) -> float:
 
 
 def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cloud, Motion | None]:
-    """Turn a scan that is inclined by more than ``beyond`` degrees until its mean plane is level.
+    """Return a scan turned until its mean plane is level, if that is inclined too much.
 
     Points are moved; they become a grid if they then lie on one. Heights of a grid are interpolated
     at nodes of the same spacing by cubic splines, in the largest rectangle that the scan covers.
@@ -76,7 +76,7 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
 
 
 def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
-    """Turn a scan until its mean plane is level; return it with a remark, and the rotation."""
+    """Return a scan turned until its mean plane is level, with a remark, and the rotation."""
     tilt = _inclination(plane)
     if tilt > STEEPEST:
         raise InputError(
@@ -138,9 +138,9 @@ def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
 
 
 def levelled_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
-    """Level two scans of one frame, whose cells lie on each other, so that they still do.
+    """Return two scans of one frame turned level, so that their cells still lie on each other.
 
-    All are turned if one of them is inclined; of grids the cells are kept that all have afterwards.
+    Both are turned if one of them is inclined. Of grids the cells are kept that both have then.
 
     Raises
     ------

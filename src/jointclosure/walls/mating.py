@@ -38,7 +38,10 @@ class Mating(NamedTuple):
 
 
 class Mismatch(NamedTuple):
-    """Wavelength [m] at which walls correlate by 1/2: 0 if always mated, infinite if never."""
+    """Wavelength [m] at which walls correlate by 1/2, with the limits of its confidence interval.
+
+    It is 0 if the walls are always mated, infinite if never.
+    """
 
     wavelength: float
     low: float
@@ -46,9 +49,10 @@ class Mismatch(NamedTuple):
 
 
 def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
-    """Correlation of walls (y, x) [m], heights towards the other wall, by wavelength: 1 if mated.
+    """Return the correlation of walls (y, x) [m] by wavelength, 1 if they are mated.
 
-    -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, in a Hann window.
+    Heights are towards the other wall. With the Fourier coefficients U and L of both walls in a
+    Hann window it is -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band.
     """
     one = _windowed_waves(upper)
     other = _windowed_waves(lower)
@@ -114,10 +118,10 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
 def _ring_powers(
     upper: np.ndarray, lower: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return, for each ring of wave numbers, what `measured_mismatch` compares.
+    """Return what `measured_mismatch` compares in each ring of wave numbers, each (rings,).
 
     These are the mean wave number [1/m], the power of the sum of both walls over that of their
-    difference, and the number of independent waves; each (rings,).
+    difference, and the number of independent waves.
     """
     apart, along = (np.abs(_windowed_waves(wall)) ** 2 for wall in (upper + lower, upper - lower))
     wave = _wave_numbers(upper.shape, spacing)

@@ -13,8 +13,8 @@ from jointclosure.walls.roughness import RELATIONS, Relation, jrc_of_z2, rms_slo
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 
 TILES = 6
-"""Tiles along the shorter side, which the bootstrap draws as a whole, as neighbours depend on each
-other."""
+"""Tiles along the shorter side of a wall. The bootstrap draws whole tiles, because neighbouring
+cells depend on each other."""
 SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
 DRAWS = 100  # synthetic walls whose scatter gives the intervals of measures of long waves
 LARGEST_DRAW = 400  # most cells along a side of these walls
@@ -38,13 +38,17 @@ class Measure(NamedTuple):
 
 
 def measure_of(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> Measure:
-    """Return a measure from its value and the values by which it scatters, together (1 + n,)."""
+    """Return a measure from ``values`` (1 + n,): its value, and values that scatter as it does."""
     low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
     return Measure(name, float(values[0]), float(low), float(high), unit, remark)
 
 
 def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
-    """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md."""
+    """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md.
+
+    Intervals of local quantities are from so many ``resamples``. Raise `InputError` if the wall is
+    too small, level, or has too few heights.
+    """
     if min(heights.shape) < SMALLEST_WALL:
         size = heights.shape
         must = f"measures need at least {SMALLEST_WALL} along each side"
@@ -157,9 +161,9 @@ def hurst_of_squares(distances: np.ndarray, squares: np.ndarray) -> float:
 def _scattered_measures(
     scaling: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
-    """Return each of the measures of a wall, first, and as it scatters over synthetic walls.
+    """Return each measure of a wall (1 + DRAWS,): its value, and values that scatter as it does.
 
-    Each value is (1 + DRAWS,). The synthetic walls have the Hurst exponent and slope of the wall.
+    The scatter is that of synthetic walls with the Hurst exponent and slope of the wall.
     """
     spectrum = Spectrum(min(max(scaling[_EXPONENTS[2]], 0.05), 1.0))
     size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
@@ -177,9 +181,9 @@ def _scattered_measures(
 
 
 def scattered(name: str, value: float, drawn: np.ndarray) -> np.ndarray:
-    """Return values (n,) that scatter about one as drawn ones do about their mean.
+    """Return values (n,) that scatter about a ``value`` as the drawn ones (n,) about their mean.
 
-    Differences from the mean are taken over for H, ratios to it for other measures.
+    For Hurst exponents their differences from the mean are kept, for other measures their ratios.
     """
     if name.startswith("H"):
         return value + drawn - drawn.mean()
@@ -217,7 +221,7 @@ def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dict[str, np.ndarray]:
-    """Return means of local quantities, and of resamples of their tiles: (1 + resamples,)."""
+    """Return the mean of each local quantity, and its means in resamples: (1 + resamples,)."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
@@ -272,7 +276,7 @@ def slope_over_interval(
 def jrc_of_relation(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
     """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark.
 
-    ``how`` tells how the slopes were found (`slope_over_interval`).
+    ``how`` describes how the slopes were found (`slope_over_interval`).
     """
     jrc = relation.jrc(slope)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc

@@ -33,8 +33,8 @@ refined fit is believed."""
 LEAST_KNOWN_WEIGHT = 0.9  # share of a mean's weights that known heights must have
 SIDE_OVER_WIDEST = 12.0  # shorter side over the width of the first means
 LEAST_WIDTHS = 20.0
-"""Shorter side of a wall, in widths of the means, from which errors of a fit are believed: with
-fewer, the tiles that give the errors are not independent, and errors are too small."""
+"""Shorter side of a wall, in widths of the means, from which errors of a fit are believed. On a
+shorter side the tiles that give the errors are not independent, and errors are too small."""
 LONG_WAVE_WIDTH = 4.0  # width of the means that hold the long waves, over that of the smoothing
 LONG_WAVES_WORTH = 0.7
 """Ratio of the errors of fits with and without weights for long waves, below which the first is
@@ -62,15 +62,15 @@ class Motion(NamedTuple):
     covariance: np.ndarray  # (3, 3) of the rotation about the normal [rad] and the shift (x, y) [m]
 
     def moved(self, points: np.ndarray) -> np.ndarray:
-        """Move points (..., 3)."""
+        """Return points (..., 3) [m] after the motion."""
         return _rotated(self.rotation, points - self.middle) + self.place
 
     def moved_back(self, points: np.ndarray) -> np.ndarray:
-        """Move points (..., 3) back."""
+        """Return points (..., 3) [m] before the motion."""
         return _rotated(self.rotation.T, points - self.place) + self.middle
 
     def after(self, first: "Motion") -> "Motion":
-        """Return this motion after a first one; its errors are those of this one."""
+        """Return the motion that is ``first`` and then this one, with the errors of this one."""
         flip = self.flip @ first.flip
         rotation = self.rotation @ first.rotation
         return Motion(flip, rotation, first.moved_back(self.middle), self.place, self.covariance)
@@ -87,7 +87,10 @@ class Motion(NamedTuple):
         return math.degrees(math.acos(min(abs(self.rotation[2, 2]), 1.0)))
 
     def corner_distance(self, other: "Motion", reach: np.ndarray) -> float:
-        """Return the largest distance in the plan of the corners after two motions [m]."""
+        """Return the largest distance [m] in the plan of the same corner after two motions.
+
+        ``reach`` (x, y) [m] is half of the sides of the wall.
+        """
         corners = np.array([[x, y, 0.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
         points = self.middle + corners * [*reach, 0.0]
         between = self.moved(points) - other.moved(points)
@@ -100,7 +103,7 @@ class Motion(NamedTuple):
         return np.array([0.5 * (turn[1, 0] - turn[0, 1]), shift[0], shift[1]])
 
     def corner_error(self, reach: np.ndarray) -> float:
-        """Return the standard error in the plan of the corners [m]."""
+        """Return the standard error [m] in the plan of a corner, at half of the sides ``reach``."""
         angle, x, y = np.diag(self.covariance)
         return math.sqrt(angle * float(reach @ reach) + x + y)
 
@@ -137,10 +140,10 @@ def flip_about_middle(points: np.ndarray, flip: np.ndarray) -> Motion:
 
 
 def laid_on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
-    """Displace a motion so that nodes of the moved grid lie on those of another one.
+    """Return a motion displaced so that nodes of the moved grid lie on those of another grid.
 
-    That has a node at ``low`` (x, y) [m]. The motion is returned as it is if the grids are turned
-    against each other, or a corner would move by more than ``most`` [m].
+    The other grid has a node at ``low`` (x, y) [m]. The motion is returned as it is if the grids
+    are turned against each other, or a corner would move by more than ``most`` [m].
     """
     whole = np.rint(motion.rotation)
     if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
@@ -213,7 +216,7 @@ class Surface(NamedTuple):
         return self.slopes[0] * x + self.slopes[1] * y
 
     def smoothed(self, width: float) -> np.ndarray:
-        """Return Gaussian means (y, x) [m] over so many cells, NaN with too few known heights."""
+        """Return Gaussian means (y, x) [m] of a width in cells, NaN with too few known heights."""
         level = self.heights - self.plane
         known = np.isfinite(level)
         middle = np.nanmean(level)
@@ -239,7 +242,7 @@ def _gaussian(values: np.ndarray, width: float, truncate: float) -> np.ndarray:
 
 
 def _rotated(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Multiply points (..., 3) by a matrix, with the same bits on any processor."""
+    """Return points (..., 3) multiplied by a matrix, with the same bits on any processor."""
     x, y, z = np.moveaxis(points, -1, 0)
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=-1)
 
@@ -284,7 +287,11 @@ def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
 def compare_rotations(
     upper: Surface, lower: Surface, orientations: dict[str, np.ndarray], blocks: int
 ) -> list[Fit]:
-    """Compare rotations of the upper wall in all orientations; the best fit is the first."""
+    """Return the best fit at each rotation and orientation of the upper wall, the best one first.
+
+    There are ``blocks`` along the shorter side. Raise `InputError` if a comparison has too few
+    heights.
+    """
     cells = max(min(*upper.heights.shape, *lower.heights.shape) // blocks, 1)
     fixed, bare = (_blocks(s.heights - s.plane, cells) for s in (lower, upper))
     bare = bare - np.nanmean(bare)

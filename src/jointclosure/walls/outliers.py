@@ -21,8 +21,8 @@ are contacts. Of Gaussian fields that are cut at 0 it is below 1, and 1.2 withou
 def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
     """Return which points (n, 3) belong to no wall: those in small patches, and far off in height.
 
-    ``patch`` (n,) are the numbers of their patches; far off is beyond 20 times the range from the 1
-    % to the 99 % quantile.
+    ``patch`` (n,) are the numbers of their patches. Far off is beyond 20 times the range between
+    the quantiles of 1 and 99 %.
     """
     if len(points) < NEIGHBOURS:
         return np.zeros(len(points), bool)
@@ -103,9 +103,9 @@ def spikes(points: np.ndarray) -> np.ndarray:
 
 
 def remove_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
-    """Remove the spikes of a scan, and describe them.
+    """Return a scan without its spikes, and a text that describes them, empty if there are none.
 
-    Cells of a grid become missing. The text is empty if there are none.
+    Cells of a grid become missing.
     """
     points = points_of(scan)
     heights = spikes(points)
@@ -122,7 +122,7 @@ def remove_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
 
 
 def remove_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
-    """Remove plateaus and planes that no rough wall has, with a warning.
+    """Return a scan without plateaus and planes that no rough wall has, with a remark on them.
 
     Where they are most of the scan, its wall is flat or stepped, and they are kept.
     """
@@ -155,8 +155,9 @@ def remove_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
 def zeros_are_contacts(heights: np.ndarray, pairs: np.ndarray) -> bool:
     """Return whether zeros among heights (n,) are contacts of an aperture map, by its steps.
 
-    An aperture is nowhere negative, and rises from its contacts by no larger steps than between
-    other neighbours (m, 2); the heights around missing ones are arbitrary.
+    An aperture is nowhere negative, and its steps from contacts are about as large as those between
+    other neighbours. Around zeros that stand for missing heights they are larger. ``pairs`` (m, 2)
+    are neighbours.
     """
     if not (heights == 0.0).any() or heights.min() < 0.0:
         return False
@@ -219,7 +220,10 @@ def _plane_sizes(heights: np.ndarray) -> np.ndarray:
 
 
 def _remove_points(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
-    """Remove points of a scan, bool in the order of `points_of`; cells become missing."""
+    """Return a scan without the points ``cut``, bool in the order of `points_of`.
+
+    Cells of a grid become missing.
+    """
     if isinstance(scan, Cloud):
         return scan._replace(points=scan.points[~cut])
     left = scan.heights.copy()

@@ -43,7 +43,11 @@ def overlap_of(
 
     ``clouds`` are the points (n, 3) [m] of both walls, with mean ``distances`` [m] of points. Nodes
     lie at multiples of the spacing [m] from the corner of the lower wall. ``upper_at`` returns
-    heights of the upper wall at nodes, if it is not to be interpolated between its points.
+    heights of the upper wall at nodes, if it is not to be interpolated between its points. The
+    rectangle lies beside holes that would be more than ``largest_filled_share`` of it.
+
+    Raise `InputError` if the walls overlap in less than `SMALLEST_SIDE` cells along a side, or
+    their common plane is too inclined.
     """
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
     low = np.maximum(corners[0][0], corners[1][0])
@@ -145,7 +149,7 @@ def _hole_cells(wall: np.ndarray, reach: float) -> np.ndarray:
 
 
 def _fill_holes(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) -> list[np.ndarray]:
-    """Fill holes (wall, y, x) of walls z upwards so that they have no contact.
+    """Return walls (y, x) [m], z upwards, whose holes (wall, y, x) are filled without contact.
 
     A hole gets the height of the other wall at the largest distance of the walls around it.
     """

@@ -178,10 +178,11 @@ def smoothing_of(
     low: np.ndarray | None = None,
     high: np.ndarray | None = None,
 ) -> tuple[Caution, ...]:
-    """Warn if a wall (y, x) [m] lost slopes because its heights were interpolated between points.
+    """Return a caution if heights of a wall (y, x) [m] were interpolated between points.
 
-    Its first and last node are at ``low`` and ``high`` (x, y) [m]. The rms slope of the wall is
-    compared with that between scanned points which are about one cell apart.
+    It states the slopes that were lost by this: the rms slope of the wall is compared with that
+    between scanned points which are about one cell apart. The first and last node of the wall are
+    at ``low`` and ``high`` (x, y) [m].
     """
     points = points_of(scan)
     if low is None:

@@ -196,11 +196,11 @@ def measure_profile(heights: np.ndarray, spacing: float) -> list[Measure]:
     Returns
     -------
     list of Measure
-        With 95 % intervals by the scatter over self-affine profiles of the same length, 100 each
-        of the Hurst exponent found and of the ends of its 80 % interval: rms height, Z2 (RMS
-        slope), Hurst exponent, and the JRC by each of `RELATIONS` and by Stigsson & Mas Ivars
-        (2019), -4.3 + 54.6 s + 4.3 H with the RMS height difference s [mm] over 1 mm; and Rp, the
-        length along the profile over that of its mean line.
+        Rms height; Z2 (RMS slope); Hurst exponent H; Rp, the length along the profile over that of
+        its mean line; and the JRC by each of `RELATIONS` and by Stigsson & Mas Ivars (2019), -4.3 +
+        54.6 s + 4.3 H with the RMS height difference s [mm] over 1 mm. Their 95 % intervals are
+        the scatter over self-affine profiles of the same length, 100 with the Hurst exponent found
+        and 100 with each end of its 80 % interval.
 
     Raises
     ------

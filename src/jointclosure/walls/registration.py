@@ -220,7 +220,9 @@ def registered(
         report.append(f"the {flat} wall is flat, parallel to the mean plane of the other")
         fit = _BestFit(orientation or "common_frame", [], None)
     else:
-        fit = _best_fit(prepared, sampled, spacing, orientation, shift, unusual_values, report)
+        fit = _best_fit(
+            prepared, sampled, clouds, spacing, orientation, shift, unusual_values, report
+        )
     scanned = flip_about_middle(clouds[0], _FLIPS[fit.orientation])
     if prepared.levelling is not None and flat is None:
         scanned = prepared.levelling.after(scanned)
@@ -340,15 +342,15 @@ def _rounding_of_sum(prepared: _PreparedScans) -> float:
 
 
 def _best_fit(
-    prepared: _PreparedScans, sampled: list[Scan | Cloud], spacing: float,
-    orientation: str | None, shift: str | None, unusual: bool, report: list[str],
+    prepared: _PreparedScans, sampled: list[Scan | Cloud], clouds: list[np.ndarray],
+    spacing: float, orientation: str | None, shift: str | None, unusual: bool, report: list[str],
 ) -> _BestFit:  # fmt: skip
     """Fit the upper wall to the lower one at the distance of the scanned points, if not too many.
 
-    The shortest waves mate least, so a fit on a finer grid than that of the joint is the better
-    one; beyond `MOST_CELLS` along a side it is made on the grid of the joint.
+    ``clouds`` are the points (n, 3) [m] of the ``sampled`` scans. The shortest waves mate least, so
+    a fit on a finer grid than that of the joint is the better one; beyond `MOST_CELLS` along a side
+    it is made on the grid of the joint.
     """
-    clouds = (points_of(scan, missing=True) for scan in sampled)
     longest = max(np.ptp(points[:, :2], axis=0).max() for points in clouds)
     distance = prepared.distance
     cell = distance if longest < MOST_CELLS * distance else spacing
@@ -676,13 +678,17 @@ def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
     """Describe the aperture (y, x) [m] at first touch, and how far the first contact stands out."""
     early = float(np.quantile(aperture, 1e-3))
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+    exact = (
+        "this and the next length are exact for the walls as registered, and the range of the "
+        "results has other positions of them"
+    )
     spike = (
         "the first contact stands out far and may be a remaining spike; use closures since "
         "seating, not those from first touch"
     )
     return [
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
-        f"{1e3 * aperture.mean():.3g} mm",
+        f"{1e3 * aperture.mean():.3g} mm; {exact}",
         caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
     ]
 

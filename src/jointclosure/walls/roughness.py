@@ -20,7 +20,7 @@ class Relation(NamedTuple):
     largest_jrc: float = 20.0
 
     def jrc(self, z2: float | np.ndarray) -> Any:
-        """JRC for RMS slopes at the relation's interval, which may be outside of its range."""
+        """Return the JRC for RMS slopes at the relation's interval, even outside of its range."""
         reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
         return self.a * reduced + self.b
 
@@ -41,7 +41,10 @@ DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"  # at the spacing of the paper's 
 
 
 def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
-    """RMS slope of a wall of given JRC at a spacing h [m]: Z2(h) = Z2(h0) (h/h0)^(H-1)."""
+    """Return the RMS slope of a wall of a JRC at a spacing h [m], Z2(h) = Z2(h0) (h/h0)^(H-1).
+
+    Raise `InputError` if the relation is unknown or does not hold for this JRC.
+    """
     rule = relation_of(relation)
     if not rule.smallest_jrc <= jrc <= rule.largest_jrc:
         limits = f"{rule.smallest_jrc:g} to {rule.largest_jrc:g}"
@@ -52,7 +55,10 @@ def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_
 
 
 def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
-    """JRC of a wall whose RMS slope at a spacing [m] is Z2; it may be outside the range."""
+    """Return the JRC of a wall whose RMS slope at a spacing [m] is Z2, by `z2_of_jrc` reversed.
+
+    It may be outside the range of the relation. Raise `InputError` if the relation is unknown.
+    """
     rule = relation_of(relation)
     return float(rule.jrc(z2 * (rule.interval / spacing) ** (hurst - 1.0)))
 
@@ -64,7 +70,7 @@ def relation_of(name: str) -> Relation:
 
 
 def rms_slope(heights: np.ndarray, spacing: float) -> float:
-    """Z2 of a wall (y, x) [m]: RMS slope of all x and y profiles pooled."""
+    """Return Z2 of a wall (y, x) [m], the RMS slope of all its x and y profiles."""
     slopes = [np.diff(heights, axis=axis).ravel() / spacing for axis in (0, 1)]
     return float(np.sqrt(np.mean(np.concatenate(slopes) ** 2)))
 
@@ -106,7 +112,7 @@ def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
 
 
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """Subtract the plane from a wall (y, x) [m]; its terms are orthogonal on a regular grid."""
+    """Return a wall (y, x) [m] less its plane, whose terms are orthogonal on a regular grid."""
     ny, nx = heights.shape
     y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))
     level = heights - np.mean(heights)
@@ -118,7 +124,10 @@ def detrended(heights: np.ndarray) -> np.ndarray:
 
 
 def bearing_depths(summed: np.ndarray, shares: ArrayLike) -> np.ndarray:
-    """Depths [m] of summed heights (y, x) above which shares of cells lie (Abbott 1933)."""
+    """Return the depths [m] below the highest of summed heights (y, x) [m] that hold given shares.
+
+    A share of the cells lies above each depth: the bearing-area curve of Abbott (1933).
+    """
     flat = np.ravel(summed)
     ranks = np.maximum(np.asarray(shares, dtype=float) * flat.size - 1.0, 0.0)
     below = np.floor(ranks).astype(int)

@@ -20,7 +20,7 @@ SMOOTH = 0.03
 """Mean squared second difference of 3 x 3 cells, over the median of the wall, below which a patch
 has no short waves. The least of self-affine walls of 128 x 128 cells (H 0.5 to 0.9) was 0.079, of a
 scanned foliation joint 0.11."""
-ASIDE = 2  # most cells by which profiles are compared
+ASIDE = 2  # largest shift [cells] at which profiles are compared
 CLEAR_SHIFT = 2.5
 """Mean over standard error of the misfit that a shift takes from a single profile between both of
 its neighbours, from which it is moved. The largest of 1,200 self-affine fields of 64 and 128
@@ -35,7 +35,7 @@ _RIM_CELLS = 3  # number of these cells where the share is fewer; chosen
 
 
 def inspected(scan: Scan | Cloud) -> Scan | Cloud:
-    """Undo the defects of a scan that its heights show, with a warning of each.
+    """Return a scan without the defects that its heights show, with a remark on each.
 
     Those of profiles, blocks and rims are found in grids only; plateaus also in points.
     """
@@ -47,7 +47,7 @@ def inspected(scan: Scan | Cloud) -> Scan | Cloud:
 
 
 def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
-    """Undo the defects of scans whose cells lie on each other, so that they still do.
+    """Return scans whose cells lie on each other without their defects, so that they still do.
 
     Of grids the cells are kept that all have afterwards.
 
@@ -91,7 +91,10 @@ def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cl
 
 
 def merge_equal_blocks(scan: Scan) -> Scan:
-    """Take one height of each block of n x n equal ones, at its middle: it was measured once."""
+    """Return a scan with one height for each block of n x n equal ones, which was measured once.
+
+    The height lies in the middle of the block.
+    """
     heights = scan.heights
     for size in range(LARGEST_BLOCK, 1, -1):
         firsts = [_first_of_blocks(heights, axis, size) for axis in (0, 1)]
@@ -134,7 +137,7 @@ def _first_of_blocks(heights: np.ndarray, axis: int, size: int) -> int | None:
 
 
 def align_profiles(scan: Scan) -> Scan:
-    """Move profiles back that lie whole cells aside of their neighbours, as after lost steps."""
+    """Return a scan with profiles moved back that lie whole cells aside, as after lost steps."""
     for axis, name in ((0, "rows"), (1, "columns")):
         heights = scan.heights if axis == 0 else scan.heights.T
         places = _places_aside(heights)
@@ -221,7 +224,7 @@ def _clear_shifts(
 
 
 def cut_rim(scan: Scan) -> Scan:
-    """Cut profiles at the edges whose mean height differs from the wall's by a sharp step."""
+    """Return a scan without profiles at its edges whose mean height is set off by a sharp step."""
     cuts = []
     for axis in (0, 1):
         low = _rim_width(scan.heights, axis)
@@ -273,7 +276,7 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
 
 
 def mask_smooth_patches(scan: Scan) -> Scan:
-    """Treat patches without short waves as missing: they are filled holes, which no wall has."""
+    """Return a scan without patches that have no short waves: they are filled holes."""
     heights = scan.heights
     around = np.pad(heights, 1, constant_values=np.nan)
     bend = np.diff(around[:, 1:-1], 2, axis=0) ** 2 + np.diff(around[1:-1], 2, axis=1) ** 2

@@ -27,7 +27,7 @@ _ROCK_EXPONENTS = 0.5, 1.0  # Hurst exponents of rock, with which lost waves are
 _HELD = 1.3, 4.0
 """Wavelengths from which lost waves are extrapolated, over that at which half of the power is lost:
 at the shortest a Gaussian filter takes a third of the power."""
-_AMPLIFIED = 5.0  # most that what a filter left of a wave is multiplied by
+_AMPLIFIED = 5.0  # largest factor by which the rest of a filtered wave is amplified
 _SCALE_WAVES = 8.0  # shortest waves [cells] by which heights of two walls are compared
 _MATED = 0.8  # correlation of these waves from which the scale of two walls is known
 _LEAST_SCALE = 0.02  # least difference of the scales of two walls that is believed; chosen
@@ -53,7 +53,10 @@ class ScanErrors(NamedTuple):
         return int(self.holes.size)
 
     def displaced(self, upper: np.ndarray, number: int) -> np.ndarray:
-        """Return the upper wall (y, x) [m] at a random place within the errors of the fit."""
+        """Return the upper wall (y, x) [m] at a random place within the errors of the fit.
+
+        Here and below ``number`` is that of the draw, from which its random numbers follow.
+        """
         random = generator(seed_of(1, "registration", number))
         turn, x, y = random.multivariate_normal(self.offset, self.covariance, method="eigh")
         place_y, place_x = np.indices(upper.shape, float)
@@ -134,7 +137,7 @@ class ScanErrors(NamedTuple):
         return upper + change * upper.any(), lower + change * (not upper.any())
 
     def with_one_scale(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
-        """Bring walls (y, x) [m] to one scale of heights, between those of both scans."""
+        """Return walls (y, x) [m] with one scale of heights, between those of both scans."""
         part = generator(seed_of(1, "scale", number)).random()
         return upper * self.scale**-part, lower * self.scale ** (1.0 - part)
 

@@ -90,7 +90,7 @@ def step_of(values: np.ndarray) -> float:
 
 
 def rounding_of(scan: Scan | Cloud) -> Rounding:
-    """Measure the rounding of a scan by the differences of its heights, and of its places."""
+    """Return the rounding of a scan by the differences of its heights, and of a cloud's places."""
     points = points_of(scan)
     if isinstance(scan, Scan):
         return Rounding(step_of(points[:, 2]), 0.0)
@@ -189,11 +189,11 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
     White noise of standard deviation s adds 70 s^2 to the mean squared fourth differences of
     heights at each distance d. Those of a self-affine wall grow as d^(2H) where waves are shorter
     than the grid as well, which its nodes sample, and otherwise as those of a wall whose spectrum
-    ends at the grid. Heights do not tell which law holds: the interval has those of both. Each fit
-    has an amplitude along x and along y, H from 0.3 to 1, and s^2, which may come out negative. Its
-    standard error is that of a jackknife over `_BLOCKS` x `_BLOCKS` parts of the scan. Rounding is
-    subtracted. Returned is NaN where the scan is too small, or where a filter, which took noise
-    too, has left its trace.
+    ends at the grid. Heights do not show which law holds, so that the interval contains those of
+    both. Each fit has an amplitude along x and along y, H from 0.3 to 1, and s^2, which may be
+    negative. Its standard error is that of a jackknife over `_BLOCKS` x `_BLOCKS` parts of the
+    scan. Rounding is subtracted. The result is NaN if the scan is too small, or was filtered, which
+    takes noise as well.
     """
     if shortest_wave(scan) > 0.0:
         return math.nan, math.nan
@@ -290,10 +290,10 @@ def rank_filtered(scan: Scan) -> bool:
 def resolution_remarks(
     scan: Scan | Cloud, wall: np.ndarray, spacing: float, level: Scan | Cloud | None = None
 ) -> list[Caution]:
-    """Warn of short waves that a wall (y, x) [m] on a grid lacks, and of rounding and noise.
+    """Return cautions about short waves that a wall (y, x) [m] lacks, and its rounding and noise.
 
-    Each error is compared with the rms slope and the JRC of the wall, which it moves. ``scan`` is
-    the scan before it was levelled, ``level`` that after it, as for `shortest_wave`.
+    Rounding and noise are stated with the rms slope and the JRC of the wall, which they raise.
+    ``scan`` is the scan before it was levelled, ``level`` that after it, as for `shortest_wave`.
     """
     remarks = []
     if (wave := shortest_wave(scan, level)) > 2.0 * spacing:
@@ -328,7 +328,7 @@ def resolution_remarks(
 
 
 def lost_waves(wave: float, spacing: float) -> Caution:
-    """Warn of a scan whose waves below a length [m] are lost, on a grid of a spacing [m]."""
+    """Return the caution about a scan without waves below a length [m], for a grid spacing [m]."""
     return caution(
         f"the scan holds nothing below a wavelength of about {1e3 * wave:.3g} mm, as it was "
         "filtered or interpolated: its third differences grow faster with distance than those of "
@@ -339,7 +339,7 @@ def lost_waves(wave: float, spacing: float) -> Caution:
 
 
 def _error_caution(about: str, square: float, excess: float, spacing: float) -> Caution:
-    """Warn of an error that raises the rms slope and the JRC, with their values.
+    """Return the caution about an error that raises the rms slope and the JRC, with their values.
 
     ``square`` are mean squared differences of neighbours [m^2], ``excess`` the part by the error.
     """
@@ -356,10 +356,10 @@ def noise_of_points(cloud: Cloud) -> float:
     """Estimate noise [m] of scattered points, by the heights of those that are close to each other.
 
     Mean squared height differences over the distance d are fitted by 2 s^2 + A d^(2H), with H from
-    0.5 to 1. The noise is at most that with 0.5, as few distances do not tell H from noise. Passes
-    of a scanner that lie apart make differences that fall with the distance. Only distances that
-    half of the points have are used: on steep rock some points are close to each other in the plan.
-    The noise is 0 where these distances do not reach below 0.6 of the mean one.
+    0.5 to 1. The noise is at most that with 0.5, because few distances do not separate H from
+    noise. Passes of a scanner that lie apart make differences that fall with the distance. Only
+    distances that half of the points have are used: on steep rock some points are close to each
+    other in the plan. The noise is 0 where these distances do not reach below 0.6 of the mean one.
     """
     points = cloud.points
     distance = point_distance(cloud)

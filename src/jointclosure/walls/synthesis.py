@@ -32,11 +32,11 @@ class Spectrum(NamedTuple):
         return -1.0 if self.rule == "walk" else -(self.hurst + 1.0)
 
     def squares(self, ny: int, wave_x: np.ndarray) -> np.ndarray:
-        """Squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off; mean: 1.
+        """Return squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
 
-        For a walk, those of differences, |d|^2 = 4 sin^2(pi f), over (2 pi)^2: the heights that
-        minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 for white slopes g have the power 1/(|d_x|^2
-        + |d_y|^2).
+        That of the mean is set to 1. For a walk they are those of differences, |d|^2 =
+        4 sin^2(pi f), over (2 pi)^2: the heights that minimise sum (d_x z - g_x)^2 + (d_y z -
+        g_y)^2 for white slopes g have the power 1/(|d_x|^2 + |d_y|^2).
         """
         wave_y = scipy.fft.fftfreq(ny)[:, None]
         wave_x = wave_x[None, :]
@@ -52,7 +52,10 @@ class Spectrum(NamedTuple):
 def gaussian_field(
     shape: tuple[int, int], spectrum: Spectrum, random: np.random.Generator, oversize: int = 2
 ) -> np.ndarray:
-    """Generate Gaussian heights (y, x) of a spectrum: a corner of a longer periodic grid."""
+    """Return Gaussian heights (y, x) of a spectrum.
+
+    They are the corner of a periodic grid with sides ``oversize`` times as long.
+    """
     ny, nx = (oversize * max(n, 2) for n in shape)
     waves = _random_waves((ny, nx), spectrum, random)
     return scipy.fft.irfft2(waves, s=(ny, nx), workers=1)[: shape[0], : shape[1]]
@@ -61,14 +64,14 @@ def gaussian_field(
 def _random_waves(
     size: tuple[int, int], spectrum: Spectrum, random: np.random.Generator
 ) -> np.ndarray:
-    """Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
+    """Return Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
     noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
     return noise * _amplitudes(*size, spectrum)
 
 
 @lru_cache(maxsize=8)
 def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
-    """Amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
+    """Return amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
     squares = spectrum.squares(ny, scipy.fft.rfftfreq(nx))
     amplitudes = power(squares, 0.5 * spectrum.exponent)
     amplitudes[0, 0] = 0.0
@@ -77,12 +80,12 @@ def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
 
 
 def wave_numbers(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
-    """Wave numbers of `scipy.fft.rfft2` in cycles per cell, along y (ny, 1) and x (1, waves)."""
+    """Return wave numbers of `scipy.fft.rfft2` [1/cell], along y (ny, 1) and along x (1, waves)."""
     return scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :]
 
 
 def _sines(wave: np.ndarray) -> np.ndarray:
-    """sin(pi f) with the same bits on any processor, as `power`."""
+    """Return sin(pi f) of wave numbers f, with the same bits on any processor, as `power`."""
     return np.vectorize(math.sin)(np.pi * wave)
 
 
@@ -166,10 +169,10 @@ def wall_pair(
     shift_in_cells : int
         Shift of the common part along x, at least 0.
     mismatch_wavelength : float, optional
-        Longer waves [m] are common to both walls, shorter ones independent (Brown 1995; the
-        sharp limit of Glover et al. 1998); 0 for mated walls. Only with a ``correlation`` of 0.
-        Each wall has the spectrum of independent walls; with ``normalise`` "wall" one factor
-        scales both, so that their pooled slopes have the Z2 of the JRC.
+        Wavelength [m] from which waves are common to both walls, while shorter ones are independent
+        (Brown 1995); 0 for mated walls. It is the sharp limit of Glover et al. (1998), and needs a
+        ``correlation`` of 0. Each wall has the spectrum of independent walls; with ``normalise``
+        "wall" one factor scales both, so that their pooled slopes have the Z2 of the JRC.
     rule : {"self_affine", "walk"}
         "self_affine": profiles have the Hurst exponent. "walk": independent slopes, projected on
         the nearest heights (`Spectrum`); ``hurst`` then only carries Z2 to the spacing.
@@ -227,16 +230,16 @@ def wall_pair(
 
 
 def generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
-    """Generators of the upper and of the lower wall."""
+    """Return the random generators of the upper and of the lower wall."""
     return generator(seed_of(seed, "upper")), generator(seed_of(seed, "lower"))
 
 
 def scaled_together(
     upper: np.ndarray, lower: np.ndarray, z2: float, spacing: float, slope: float | None = None
 ) -> Walls:
-    """Scale two walls (y, x) [m] by one factor to an RMS slope ``z2``.
+    """Return two walls (y, x) [m] scaled by one factor to an RMS slope ``z2``.
 
-    ``slope`` is their present one, by default pooled from both.
+    ``slope`` is their present RMS slope, by default pooled from both.
     """
     if slope is None:
         slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]))

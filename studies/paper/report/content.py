@@ -1,4 +1,4 @@
-"""Content of the page: values for the template, from a study and its tables."""
+"""Content of a study's page: values for its template, from the dataset and the tables."""
 
 import json
 from collections.abc import Mapping
@@ -40,7 +40,11 @@ STAYS = "Share that remains at seating (%)"
 
 
 class Material(NamedTuple):
-    """Dataset of a study and its tables by name, the paper's Table 3 and configuration, figures."""
+    """What a report is made of.
+
+    These are the dataset and tables of a study, the paper's Table 3, the default configuration
+    (that of the paper), the schema of its keys, and the figures.
+    """
 
     study: xr.Dataset
     tables: Mapping[str, pd.DataFrame]
@@ -51,7 +55,7 @@ class Material(NamedTuple):
 
 
 def content(material: Material) -> dict:
-    """Return names and values for the template."""
+    """Return the values of the template by name."""
     study = material.study
     known = material.tables
     keys = json.loads(study.attrs["configuration"])
@@ -88,7 +92,7 @@ def content(material: Material) -> dict:
 def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
     """Return files and warnings of the scanned walls of each rock, and joints that share no cell.
 
-    ``apart``: number of windows that fit side by side, the most joints that are independent.
+    ``apart`` is the number of realisations, or that of windows without a common cell if it is less.
     """
     walls = json.loads(study.attrs.get("walls", "{}"))
     return {
@@ -104,8 +108,8 @@ def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
 def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
     """Count simulations: all, used, failed, and those that are used with a remark.
 
-    ``remarks`` has, by remark: the number of joints, of their cases, and the largest change of a
-    mean closure where they are left out, with its case and cycle.
+    ``remarks`` has for each remark the number of joints, that of their cases, and a text on the
+    largest change of a mean closure when they are left out.
     """
     good = succeeded(study)
     used = good.sum("realization")
@@ -138,10 +142,10 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
 def assessed(
     known: Mapping[str, pd.DataFrame], configuration: Configuration, titles: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return what the report says of the assessment of its study: ``state`` and, if done, numbers.
+    """Return ``state`` and numbers of the assessment of a study for its report.
 
-    It is "off" (null in the configuration), "missing" (the tables were not made), "too long" (the
-    fewest joints would take more than their share of the time) or "done".
+    The state is "off" (null in the configuration), "missing" (the tables were not made), "too long"
+    (the fewest joints would take more than their share of the time) or "done".
     """
     if getattr(configuration, "assessment", None) is None:
         return {"state": "off"}
@@ -212,7 +216,11 @@ def ranges_of(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, 
 
 
 def headline(elasticities: pd.DataFrame | None) -> dict[str, Any]:
-    """Return the property with the largest effect on the last cycle's closure, and its verdict."""
+    """Return the property with the largest effect on the last cycle's closure, and a verdict on it.
+
+    It is the property with the largest elasticity in most rocks. Empty if elasticities of two
+    properties are not known in every rock.
+    """
     if elasticities is None or not len(elasticities):
         return {}
     last = elasticities[elasticities.cycle == elasticities.cycle.max()]
@@ -229,7 +237,10 @@ def headline(elasticities: pd.DataFrame | None) -> dict[str, Any]:
 
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
-    """Judge whether a property has the largest elasticity in all rocks, with independent errors."""
+    """Judge whether a property has the largest elasticity in all rocks.
+
+    Intervals are simultaneous, and errors of elasticities are taken as independent.
+    """
     lows = []
     highs = []
     confidence = 1.0 - 0.05 / (len(elasticities) - elasticities.rock.nunique())
@@ -256,7 +267,7 @@ def _range(values: list[float]) -> str:
 
 
 def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame:
-    """Every key of a study with its value, the paper's, whether they differ, and its meaning."""
+    """Tabulate the keys of a study: value, that of the paper, whether they differ, and meaning."""
     chosen = {key: value for key, value in configuration.items() if key not in sections()}
     chosen["rocks"] = {name: chosen["rocks"][name] for name in chosen["study"]["rocks"]}
     theirs = dict(_leaves(paper, schema, ""))
@@ -270,12 +281,12 @@ def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame
 
 
 def departures(rows: pd.DataFrame) -> list[str]:
-    """Return the keys in which a study differs from the paper's, without its name."""
+    """Return the keys, except the name, in which a study differs from that of the paper."""
     return rows[rows.differs & (rows.key != "study.name")].key.tolist()
 
 
 def _leaves(value: dict, schema: dict, path: str):
-    """Generate (key, (value, description)) of everything that is not a section."""
+    """Generate (key, (value, description)) of all nested keys that are not sections."""
     known = schema.get("properties", {})
     extra = schema.get("additionalProperties")
     order = {name: place for place, name in enumerate(known)}

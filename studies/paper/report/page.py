@@ -32,9 +32,9 @@ class Picture(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """Headings, kinds ("number", "word", kept on one line, or "text") and rows of a table.
+    """Headings, kinds and rows of a table; the first cell of a row is its heading.
 
-    The first cell of a row is its heading.
+    The kind of a column is "number", "word" (kept on one line) or "text".
     """
 
     titles: list[str]
@@ -43,10 +43,11 @@ class Sheet(NamedTuple):
 
 
 def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {}) -> Sheet:
-    """Make a table of named columns, or of all, which then have the names of their headings.
+    """Make a table of the named ``columns`` of a frame, or of all columns if none is named.
 
-    Numbers are rounded to columns with _standard_error, which are not shown. Columns of adjusted
-    numbers are left out of studies in which nothing is adjusted.
+    ``heads`` are headings by column; others are those of `heading_of`. Numbers are rounded by their
+    columns ``_standard_error``, which are not shown. Columns of adjusted numbers are left out if
+    all are missing.
     """
     named = [(name, frame[name]) for name in columns.split()]
     named = named or [one for one in frame.items() if not str(one[0]).endswith("_standard_error")]
@@ -66,7 +67,7 @@ def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {})
 
 
 def heading_of(column: str) -> str:
-    """Return the heading of a quantity, of its mean ("max_closure_mean_mm"), or of the column."""
+    """Return the heading of a column: that of its quantity if it is one, or a mean of one."""
     title = HEADINGS.get(column.replace("_mean_", "_"), column.replace("_", " "))
     return title[0].upper() + title[1:]
 

@@ -1,4 +1,4 @@
-"""Tables of the page: what a study found, and how it ran.
+"""Tables of the page: results of a study, and how its simulations ended.
 
 Captions, columns and headings are in the page's templates.
 """
@@ -35,7 +35,7 @@ _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTI
 
 
 class About(NamedTuple):
-    """Titles of a study's rocks by name, in order, and those of them that are the paper's."""
+    """Titles of a study's rocks by name, in order, and the names of those that the paper has."""
 
     titles: dict[str, str]
     of_paper: set[str]
@@ -49,7 +49,7 @@ class About(NamedTuple):
 
 
 def flow(table: pd.DataFrame) -> pd.DataFrame:
-    """Apertures of each rock's base case at the largest stress that all joints reach."""
+    """Select apertures of each base case at the largest stress that the most joints reach."""
     loading = table[(table.parameter == "base") & (table.branch == "loading")]
     by = ["rock", "cycle", "direction"]
     most = loading.groupby(by, sort=False).samples.transform("max")
@@ -58,7 +58,7 @@ def flow(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def layout(intervals: pd.DataFrame, about: About) -> pd.DataFrame:
-    """Table 3 in the paper's layout, with the paper's lengths below those of the study."""
+    """Arrange Table 3 by parameter, cycle and rock, with the paper's lengths below the study's."""
     ours = table_3(intervals, about.titles)
     theirs = table_3(intervals, about.titles, "paper_") if about.of_paper else None
     rows = []
@@ -75,7 +75,7 @@ def layout(intervals: pd.DataFrame, about: About) -> pd.DataFrame:
 
 
 def judged(claims: pd.DataFrame) -> pd.DataFrame:
-    """Add texts of the share of studies that confirm a claim, and remarks to verdicts."""
+    """Add the share of studies that confirm a claim as text, and remarks to the verdicts."""
     remarks = {claim.number: f" ({claim.remark})" for claim in CLAIMS if claim.remark}
     found = [percent_text(*row) for row in claims[list(FOUND)].to_numpy(dtype=float).tolist()]
     verdict = claims.verdict + claims.number.map(remarks).fillna("")
@@ -83,7 +83,7 @@ def judged(claims: pd.DataFrame) -> pd.DataFrame:
 
 
 def evidence(claims: pd.DataFrame, margins: pd.DataFrame, about: About) -> pd.DataFrame:
-    """Numbers that decide claims, for the model by rock, and for the paper."""
+    """Tabulate the numbers that decide claims: of the model by rock, and of the paper."""
     rows = []
     for claim in claims.itertuples():
         here = {"number": claim.number, "verdict": claim.verdict}
@@ -93,13 +93,13 @@ def evidence(claims: pd.DataFrame, margins: pd.DataFrame, about: About) -> pd.Da
             rows.append(here | of | {"quantity": row.quantity, "value": value})
         if about.of_paper and isinstance(getattr(claim, "paper", None), str):
             paper = {"by": "the paper", "where": "", "cycle": "", "value": claim.paper}
-            rows.append(here | paper)  # not NaN, which would make fractions of the cycles
+            rows.append(here | paper)  # an empty cycle, as NaN would make the others fractions
     columns = ["number", "by", "where", "cycle", "quantity", "value", "verdict"]
     return pd.DataFrame(rows, columns=columns)
 
 
 def concluded(conclusions: pd.DataFrame) -> pd.DataFrame:
-    """Evidence for each claim, and the conclusion (`make conclusions`)."""
+    """Tabulate the evidence for each claim, and the conclusion (`make conclusions`)."""
     shown = judged(conclusions)
     for kind in ("readings", "partial"):
         counts = conclusions[[f"{kind}_{name}" for name in COUNTS]]
@@ -137,7 +137,7 @@ def percent_text(share: float, error: float, low: float = np.nan, high: float = 
 
 
 def predicted(predictive: pd.DataFrame) -> pd.DataFrame:
-    """Each entry of Table 3 over repetitions of the study, with the paper's value."""
+    """Add texts of shares and probabilities to the table of predicted entries of Table 3."""
     shares = zip(predictive.share_without_root, predictive.share_error, strict=True)
     none = [percent_text(share, error) for share, error in shares]
     return _with_errors(predictive.assign(none=none), probability, "p", "null_p")
@@ -154,28 +154,28 @@ def _with_errors(table: pd.DataFrame, shown: Callable, *names: str) -> pd.DataFr
 
 
 def tested(joint: pd.DataFrame) -> pd.DataFrame:
-    """Joint tests of whether the paper's entries are a draw of this model, or of noise."""
+    """Add texts of numbers with their errors to the table of joint tests."""
     table = _with_errors(joint, probability, "p", "null_p")
     likelihoods = ("log_likelihood", "null_log_likelihood")
     return _with_errors(table, rounded, *likelihoods)
 
 
 def checked(checks: pd.DataFrame) -> pd.DataFrame:
-    """Checks of the results, with verdicts."""
+    """Add verdicts to the table of checks."""
     verdict = np.where(checks.passed, "passed", "FAILED")
     return checks.assign(verdict=np.where(checks.required == REPORTED, REPORTED, verdict))
 
 
 def differing(table: pd.DataFrame) -> pd.DataFrame:
-    """Differences of variants from the finest setting, and of scenes without effects from all."""
+    """Select the differences of closures of variants from their reference."""
     shown = table[(table.variant != table.reference) & table.quantity.isin(JUDGED)]
     return shown.assign(quantity=shown.quantity.map(ASSESSED))
 
 
 def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
-    """Settings of the numerics and effects on a few joints of the study; empty tables are left out.
+    """Return the tables of settings and of effects from that of the study's assessment.
 
-    Rocks are named by their titles, and all together "all".
+    Rocks have their titles, and all rocks together are named "all". An empty table is left out.
     """
     shown = table.assign(
         rock=table.rock.map(about.titles).fillna("all"),
@@ -193,7 +193,7 @@ def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
 
 
 def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:
-    """The hardest joints, the worst first."""
+    """Tabulate the hardest joints, the worst first, at most `MOST_HARD`."""
     return pd.DataFrame(
         {
             "Rock": table.rock.map(about.titles),
@@ -210,7 +210,7 @@ def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:
 
 
 def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
-    """Statuses of the simulations of each case."""
+    """Count the simulations of each case by status."""
     good = succeeded(study)
     frame = pd.DataFrame(
         {
@@ -231,7 +231,7 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
 
 
 def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
-    """Joints with a remark in each case that has some, and means without them."""
+    """Tabulate joints with a remark by case, and the change of means without them."""
     rows = []
     for (remark, _), part in remarked_joints(study).groupby(["remark", "case"], sort=False):
         first = part.iloc[0]
@@ -250,7 +250,7 @@ def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
 
 
 def failures(study: xr.Dataset) -> pd.DataFrame:
-    """Failed simulations, with the seeds of their walls."""
+    """Tabulate failed simulations with the seeds of their walls, at most `MOST_FAILURES`."""
     rows = []
     statuses = study.status.transpose("case", "realization").values
     seeds = study.seed.transpose("case", "realization").values
@@ -274,13 +274,13 @@ _PREPARED: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
         quantity=[ASSESSED.get(name, name.replace("_", " ")) for name in table.quantity]
     ),
 }
-"""Preparation of tables whose rocks and properties are shown by their titles."""
+"""Functions that prepare tables by name; rocks and properties then get their titles."""
 
 
 def frames_of(
     study: xr.Dataset, known: Mapping[str, pd.DataFrame], about: About
 ) -> dict[str, pd.DataFrame]:
-    """Return tables of the page by name; a study need not have all that they are made of."""
+    """Return the tables of the page by name, as far as the study has what they are made of."""
     known = {name: table for name, table in known.items() if len(table)}
     frames = {"statuses": statuses(study, about), "failures": failures(study)}
     if len(with_remarks := remarks(study, about)):

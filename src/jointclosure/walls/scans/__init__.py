@@ -135,7 +135,10 @@ def read_scan(
 
 
 def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
-    """Return the file of a scan, or its three files of x, y and heights, as for `read_scan`."""
+    """Return the file of a scan, or its three files of x, y and heights, as for `read_scan`.
+
+    Raise `InputError` for another number of files.
+    """
     if isinstance(path, str | Path):
         if Path(path).is_file() or "," not in str(path):
             return (Path(path),)
@@ -149,7 +152,7 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
 
 
 def _entry_by_first_bytes(path: Path, marks: dict) -> Any:
-    """Return the entry for the first bytes of a file, None without one."""
+    """Return the entry of ``marks`` for the first bytes of a file, None if there is none."""
     with path.open("rb") as file:
         start = file.read(64).lstrip().lower()
     return next((marks[mark] for mark in marks if start.startswith(mark.lower())), None)
@@ -170,7 +173,7 @@ def _format_of(path: Path) -> Format:
 
 
 def _read_contents(path: Path, variable: str | None = None) -> Contents:
-    """Read one file; an error also names the form that its content is most like."""
+    """Read one file; an error also names the format that its content is most like."""
     form = _format_of(path)
     suffix = path.suffix.lower()
     try:

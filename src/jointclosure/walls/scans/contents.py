@@ -130,7 +130,11 @@ def settled(
     sides: tuple[float, float] | None = None,
     unread: tuple[str, ...] = (),
 ) -> str:
-    """Return the units of the file or of the user; `InputError` for none, or for two different."""
+    """Return the units of ``what`` that the file or the user states.
+
+    Raise `InputError` if neither does, or if they differ. ``sides`` and ``unread`` lines of the
+    file help in the message.
+    """
     units = of_file or stated
     if units is None:
         must = f"give units (--units on the command line){_usual_units(sides)[1]}"
@@ -257,7 +261,11 @@ def missing_heights(scan: Scan | Cloud) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def in_metres(contents: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
-    """Return contents in metres, with missing heights as NaN."""
+    """Return contents in metres, with missing heights as NaN.
+
+    ``units`` and ``spacing`` [m] are those that the user states, None for those of the file. Raise
+    `InputError` if they are not stated, contradict the file, or the heights are no wall.
+    """
     sides = contents.sides()
     hint = sides if contents.length_units is None else None
     height = size_of(settled("heights", contents.height_units, units, hint, contents.unread))
@@ -304,7 +312,10 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
 
 
 def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
-    """Return the spacing (dy, dx) [m] as the file states it, else as the caller does."""
+    """Return the spacing (dy, dx) [m] as the file states it, else as the caller does.
+
+    Raise `InputError` if neither does, or if they differ.
+    """
     unstated = np.isnan(stated)
     if spacing is None and unstated.any():
         axes = " and ".join(axis for axis, missing in zip("yx", unstated, strict=True) if missing)

@@ -84,7 +84,8 @@ def grid_of(
 ) -> Contents:
     """Return the heights of a file, placed and turned by arrays x, y and numbers beside them.
 
-    ``lines`` are further statements, as in a header.
+    ``variable`` is the name of the heights, ``axes`` the axis "x" or "y" of arrays by their names,
+    and ``lines`` are further statements, as in a header.
     """
     texts = {key: array for key, array in arrays.items() if array.dtype.kind == "U"}
     arrays = {key: array for key, array in arrays.items() if key not in texts}
@@ -452,7 +453,11 @@ def read_text_or_scanner(path: Path, variable: str | None) -> Contents:
 
 
 def read_scanner(path: Path, variable: str | None, refused: tuple[str, ...] = ()) -> Contents:
-    """Read a channel of a scanner's file, by default its default one, by SurfaceTopography."""
+    """Read one channel of a scanner's file with SurfaceTopography.
+
+    It is ``variable``, otherwise the default of the file. Formats in ``refused`` raise
+    `InputError`.
+    """
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.Exceptions import CannotDetectFileFormat
         from SurfaceTopography.IO import open_topography

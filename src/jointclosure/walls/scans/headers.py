@@ -112,7 +112,7 @@ def read_header(lines: Iterable[str]) -> Header:
 
 
 def _add_statement(header: Header, line: str) -> Header:
-    """Add the statement of one line to a header, if it has one."""
+    """Return a header with the statement of one line, if the line has one."""
     tidy = line.strip().lstrip("#%/!; ").replace('"', " ").replace("\t", " : ")
     bare = re.sub(r"\s+", " ", re.sub(r"[\s:]*:[\s:]*", ": ", tidy)).strip(" :;,")
     entry = _MARKED.fullmatch(bare) or _SPACED.fullmatch(bare)
@@ -168,7 +168,7 @@ def _kind_and_axes(key: str) -> tuple[str, tuple[float, float]] | None:
 
 
 def _add_units(header: Header, key: str, unit: str | None, line: str) -> Header:
-    """Add the units that a line without a number states."""
+    """Return a header with the units that a line without a number states."""
     what = re.fullmatch(r"(\w*?)(?:axis)?units?(?:of)?(\w*)", key)
     if unit is None or what is None:
         return _add_unread(header, line)
@@ -186,7 +186,7 @@ def _add_units(header: Header, key: str, unit: str | None, line: str) -> Header:
 
 
 def _add_unread(header: Header, line: str) -> Header:
-    """Keep a line that mentions units or lengths and was not understood."""
+    """Return a header with a line that was not understood, if it mentions units or lengths."""
     key = re.sub(r"[\W_]", "", re.split(r"[:=\t]", line)[0]).lower()
     words = re.split(r"[\s\[\](){}:=;,\"']+", line)
     valued = re.search(r"[:=]\s*\S", line) or _LENGTH.search(line)

@@ -37,7 +37,10 @@ SCATTERED = caution(
 def contents_of(
     points: np.ndarray, units: Sequence[str | None] = (None,) * 3, remarks: tuple[str, ...] = ()
 ) -> Contents:
-    """Return points (n, 3) as the regular grid on which they lie, otherwise as points."""
+    """Return points (n, 3) as the regular grid on which they lie, otherwise as points.
+
+    ``units`` are those of x, y and z. Raise `InputError` if the points are no single wall.
+    """
     along_x, along_y, height = units
     if along_x != along_y:
         raise InputError(f"x is in {along_x} and y in {along_y}: must be in the same units")
@@ -179,7 +182,7 @@ def _equalise_steps(
 def _irregularity_cautions(
     points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
 ) -> tuple[Caution, ...]:
-    """Warn of points off the nodes that were left out, and of those that were moved to nodes."""
+    """Return cautions about points that were left out off the nodes, or moved to the nodes."""
     remarks = []
     if off := int((~on & np.isfinite(points[:, 2])).sum()):
         remarks.append(

@@ -35,7 +35,7 @@ TWO_WALLS = "a solid or both walls in one file must be cut to one wall"
 
 
 class _Neighbours(NamedTuple):
-    """Heights of neighbours, from which it is seen whether points are one sheet."""
+    """Heights of neighbours, which show whether points are one sheet."""
 
     heights: (
         np.ndarray

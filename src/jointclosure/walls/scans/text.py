@@ -61,7 +61,10 @@ class _Form(NamedTuple):
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
-    """Read points of lines of x, y and z, or of three columns; or a matrix of heights."""
+    """Read a text file of points, with x, y and z in a line, or of a matrix of heights.
+
+    ``variable`` chooses the three columns of points among others.
+    """
     table = read_table(path)
     if variable is None and (matrix := _matrix(table)) is not None:
         return matrix
@@ -71,7 +74,10 @@ def read_text(path: Path, variable: str | None) -> Contents:
 
 
 def _matrix(table: Table) -> Contents | None:
-    """Return a matrix of heights, on the grid of its frame if it has one; None for points."""
+    """Return a table as a matrix of heights; None if it is one of points.
+
+    A first row of x and a first column of y, its frame, state the grid.
+    """
     values = table.values
     if table.names:  # x of a frame whose corner is a word
         try:
