@@ -15,7 +15,7 @@ STATUSES = {
     1: Flag(
         "target_jumped",
         "breakage made the stress jump over the target, and the maximum is the last state below it",
-        "take smaller steps or `breakage: resolved`; on small joints a jump is the answer",
+        "take smaller steps or `breakage: resolved`; on small joints, jumps that remain are real",
     ),
     2: Flag(
         "outside_model_range",
