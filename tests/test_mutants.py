@@ -1,6 +1,9 @@
 """The list of mutants fits the library as it is."""
 
+import shlex
 from pathlib import Path
+
+import pytest
 
 from tests.mutants import LEAST, LEAST_LIMITS, ROOT, mutants
 
@@ -27,3 +30,11 @@ def test_mutants_of_limits_are_in_all_rooms_that_compute():
     }
     studies = {path.parent.name for path in (ROOT / "studies").glob("*/study.py")}
     assert computing | studies <= rooms | {"verification"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tests", sorted({mutant.tests for mutant in mutants()}))
+def test_the_tests_of_a_mutant_are_there(tests, capsys):
+    """A file or a word that was renamed selects none, and no test would notice the mutant."""
+    words = ["--collect-only", "-q", "-m", "not slow", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    assert pytest.main([*words, *shlex.split(tests)]) == 0, capsys.readouterr().out
