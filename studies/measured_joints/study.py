@@ -174,9 +174,7 @@ def _shown_rows(table: pd.DataFrame, scores: pd.DataFrame) -> dict[str, pd.DataF
     best = scores.drop(BASE).sort_values(["score", "constants"], ascending=[False, True])
     names = [BASE, *best.index[:_BEST]]
     mated = table[table.walls == "mated"]
-    rows = {
-        f"{name} ({scores.score[name]})": mated[mated.variant == name] for name in names
-    }
+    rows = {f"{name} ({scores.score[name]})": mated[mated.variant == name] for name in names}
     free = (table.walls == "independent") & (table.variant == BASE)
     return rows | {"independent walls": table[free]}
 
