@@ -210,14 +210,19 @@ def _name(column: Any, value: Any, names: Names) -> str:
 
 
 def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
-    """Return label, colour and marker of lines by value; the colours of real numbers ascend."""
+    """Return label, colour and marker of lines by value; the colours of real numbers ascend.
+
+    Markers are hollow where colours are repeated.
+    """
     real = pd.api.types.is_float_dtype(values)
     known = list(dict.fromkeys(values.sort_values() if real else values))
     palette = sns.color_palette("viridis" if real else "colorblind", len(known))
     looks = {}
-    for value, colour, mark in zip(known, palette, itertools.cycle("osD^vP*X"), strict=False):
+    colours = len(known) if real else len(sns.color_palette("colorblind"))
+    for i, (value, mark) in enumerate(zip(known, itertools.cycle("osD^vP*X"), strict=False)):
         label = _name(values.name, value, names)
-        looks[value] = {"label": label, "color": colour, "marker": mark, "ms": 3.5}
+        looks[value] = {"label": label, "color": palette[i], "marker": mark, "ms": 3.5}
+        looks[value] |= {"mfc": "white"} if i >= colours else {}  # as its colour is repeated
     return looks
 
 
