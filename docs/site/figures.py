@@ -136,12 +136,12 @@ def overview() -> Figure:
     joint = jc.simulate(upper, lower, **load, cycles=2, snapshots=[10e6])
     ensemble = jc.simulate_ensemble(_walls, seeds=range(20), **load)
     figure, (section, contacts, curves) = plt.subplots(
-        1, 3, figsize=(14, 4), width_ratios=(1.25, 1.1, 1.2), layout="constrained"
+        3, 1, figsize=(6.2, 12.5), height_ratios=(0.75, 1.2, 1.0), layout="constrained"
     )
     jc.plot.walls(upper, lower, spacing=0.25e-3, axes=section)
     jc.plot.aperture(joint, 0, contacts)
     _band(curves, ensemble)
-    section.set_title("two walls at first touch")
+    section.set_title("two walls at first touch, heights enlarged")
     contacts.set_title("the joint at 10 MPa")
     curves.set_title("closure of 20 pairs: mean and 90 % band")
     return figure
@@ -223,9 +223,13 @@ def _band(axes: Axes, ensemble: xr.Dataset) -> None:
             low, high, mean, stress = (np.insert(of, 0, 0.0) for of in (low, high, mean, stress))
             stress[0] = 0.5
             axes.fill_betweenx(stress, low, high, color=colour, alpha=0.15, lw=0)
-            style = {"color": colour, "label": f"cycle {cycle}, loading"}
+            width = 1.5 if cycle == 1 else 4.0  # the line of unloading lies on that of cycle 2
+            style = {"color": colour, "lw": width, "label": f"cycle {cycle}, loading"}
         axes.plot(mean, stress, **style)
-    axes.set(xlabel="net closure since 0.5 MPa (mm)", ylabel="normal stress (MPa)", ylim=0, xlim=0)
+    axes.set(
+        xlabel="net closure since 0.5 MPa of the same cycle (mm)", ylabel="normal stress (MPa)"
+    )
+    axes.set(xlim=(-0.002, None), ylim=0)
     axes.legend(frameon=False)
 
 
