@@ -27,7 +27,7 @@ from jointclosure.joint.status import LOADING, UNLOADING
 BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
 """Line style of each branch in every figure."""
 
-_LABEL_WIDTH, _LABEL_HEIGHT = 0.42, 0.25
+_LABEL_WIDTH, _LABEL_HEIGHT = 0.38, 0.25
 """Least distances [inches] of labels beside and above each other."""
 
 _STYLE = {  # settings of matplotlib
