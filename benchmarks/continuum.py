@@ -27,6 +27,7 @@ import numpy as np
 import pandas as pd
 import peers
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.history import history_of
@@ -247,12 +248,18 @@ def table_of(histories: dict[str, list[PressedJoint]], stresses: list[Stresses])
 
 NOT_DRAWN = ("tamaas", "aspher")
 """Words in names of models that are not drawn, as their lines lie on another one."""
+_BRANCH_STYLES: dict[str, dict] = {"-": {}, "--": {"mfc": "white"}, ":": {"ms": 3.0}}
+"""Line style of each branch, with settings of its markers."""
 
 
 @styled
 def continuum_figure(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> Figure:
-    """Draw stress over closure, and contact over stress: means with standard errors as bars."""
-    figure, (left, right) = subplots(1, 2, figsize=(10.0, 5.2), layout="constrained")
+    """Draw stress over closure, and contact over stress: means with standard errors as bars.
+
+    Markers of unloading are hollow, those of reloading small, as its line may lie on that of
+    unloading. Both reach to the residual closure.
+    """
+    figure, (upper, lower) = subplots(2, 1, figsize=(6.2, 10.5), layout="constrained")
     shown = [name for name in histories if not any(word in name for word in NOT_DRAWN)]
     levels = [each.levels for each in stresses]
     stress = 1e-6 * stresses[0].all[levels[0]]
@@ -264,20 +271,32 @@ def continuum_figure(histories: dict[str, list[PressedJoint]], stresses: list[St
         known = np.isfinite(closure[:, 0, 0])
         closure = closure[known]
         contact = contact[known]
-        error = closure.std(axis=0, ddof=1) / np.sqrt(len(closure))
-        for branch, line in enumerate(("-", "--", ":")):
+        residual = 1e3 * np.array([each.residual for each, _ in own])[known]
+        look: dict = {"color": f"C{number}", "marker": "osD^vP"[number % 6], "ms": 5.5}
+        for branch, (line, style) in enumerate(_BRANCH_STYLES.items()):
             label = title if branch == 0 else None
-            mean = closure.mean(axis=0)[branch]
-            left.errorbar(
-                mean, stress, xerr=error[branch] if branch == 0 else None,
-                ls=line, color=f"C{number}", label=label, capsize=2, lw=1.3,
-            )  # fmt: skip
-            right.plot(stress, contact.mean(axis=0)[branch], line, color=f"C{number}")
-    left.set(xlabel="closure since first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
-    right.set(xlabel="normal stress (MPa)", ylabel="cells in contact (%)", yscale="log")
-    right.set_title("– loading   - - unloading   ··· reloading", fontsize="small")
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+            mean, error = _mean_and_error(closure[:, branch])
+            share, of_share = _mean_and_error(contact[:, branch])
+            ends = (0.0, 0.0) if branch == 0 else _mean_and_error(residual)
+            if np.isfinite(ends[0]):  # contact without a force: first touch, or residual closure
+                mean = np.append(ends[0], mean)
+                error = np.append(ends[1], error)
+            forces = np.append(0.0, stress)[-mean.size :]
+            settings = look | style | {"ls": line, "label": label, "capsize": 2, "lw": 1.3}
+            upper.errorbar(mean, forces, xerr=error, **settings)
+            lower.errorbar(stress, share, yerr=of_share, **settings)
+    upper.set(xlabel="closure since first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
+    lower.set(xlabel="normal stress (MPa)", ylabel="cells in contact (%)", yscale="log")
+    handles = list(upper.get_legend_handles_labels()[0])
+    for name, (line, style) in zip(BRANCHES, _BRANCH_STYLES.items(), strict=True):
+        handles.append(Line2D([], [], color="0.3", ls=line, marker="o", label=name, **style))
+    figure.legend(handles=handles, loc="outside lower center", ncols=1)
     return figure
+
+
+def _mean_and_error(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and standard error over the first axis."""
+    return values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(len(values))
 
 
 def main(realizations: int, stress: float, output: Path) -> None:

@@ -44,6 +44,8 @@ TITLES = {
     "realisations": ("Realisations", "realisations of a case"),
     "jrc": ("Roughness", "joint roughness coefficient"),
 }
+SCENE_TITLES = {"full": "all effects", "elastic": "without breakage"}
+"""Names of scenes in the figure."""
 
 
 def abscissa(axis: str, values) -> np.ndarray:
@@ -170,7 +172,7 @@ def summarised(closed: pd.DataFrame) -> pd.DataFrame:
 
 
 def draw(axes, axis: str, table: pd.DataFrame) -> None:
-    """Draw time over one axis, with fitted curves, their intervals and the memory."""
+    """Draw time over one axis, with fitted curves and the intervals of single surfaces."""
     title, label = TITLES[axis]
     for k, scene in enumerate(yardstick.SCENES):
         part = table[(table.axis == axis) & (table.scene == scene)]
@@ -178,7 +180,8 @@ def draw(axes, axis: str, table: pd.DataFrame) -> None:
         error = (part.ms - part["ms min"], part["ms max"] - part.ms)
         slopes = [f"{part.exponent.iloc[i]:.2f} ± {part['standard error'].iloc[i]:.2f}"
                   for i in (0, -1)]  # fmt: skip
-        name = f"{scene}: exponent {slopes[0]} to {slopes[1]}".replace("-", "−")
+        slope = f"exponent {slopes[0]}\nto {slopes[1]}".replace("-", "−")
+        name = f"{SCENE_TITLES.get(scene, scene)}: {slope}"
         axes.errorbar(x, part.ms, error, fmt="os"[k], color=f"C{k}", capsize=3, ms=5, label=name)
         fine = np.geomspace(x[0], x[-1], 100)
         curve = {}
@@ -188,28 +191,20 @@ def draw(axes, axis: str, table: pd.DataFrame) -> None:
         axes.plot(fine, curve["fitted ms"], "--", color=f"C{k}", lw=1)
         axes.fill_between(fine, curve["low ms"], curve["high ms"], color=f"C{k}", alpha=0.15, lw=0)
     axes.set(xscale="log", yscale="log", title=title, xlabel=label, ylabel="time (ms)")
-    memory = table[table.axis == axis].groupby("value").MB.max()
-    names = [f"{v:g}{'²' * (axis == 'cells')}\n{mb:.0f} MB" for v, mb in memory.items()]
-    axes.set_xticks(abscissa(axis, memory.index), names)
+    values = sorted(set(table["value"][table.axis == axis]))
+    names = [f"{value:g}{'²' * (axis == 'cells')}" for value in values]
+    axes.set_xticks(abscissa(axis, values), names)
     axes.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high * (high / low) ** 0.35)  # room for the legend
-    axes.legend(frameon=False, loc="upper left")
+    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.45, -0.2), fontsize="small")
 
 
 @styled
 def figure_of(table: pd.DataFrame):
     """Draw time over each of the four axes."""
-    figure, panels = subplots(2, 2, figsize=(9.0, 7.0))
+    figure, panels = subplots(2, 2, figsize=(7.4, 8.6))
     for axes, axis in zip(panels.flat, TITLES, strict=True):
         draw(axes, axis, table)
     sns.despine(figure)
-    pair = table["pair ms"].median()
-    figure.suptitle(
-        "Time to close a joint: 100 × 100 cells, 30 MPa, JRC 8, dolerite, one cycle\n"
-        "medians and extremes over surfaces, parabolas in logarithms with the interval of 95 %\n"
-        f"of surfaces, exponents at both ends, largest memory; one FFT pair is {pair:.2f} ms"
-    )
     return figure
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -135,12 +136,12 @@ def overview() -> Figure:
     joint = jc.simulate(upper, lower, **load, cycles=2, snapshots=[10e6])
     ensemble = jc.simulate_ensemble(_walls, seeds=range(20), **load)
     figure, (section, contacts, curves) = plt.subplots(
-        1, 3, figsize=(14, 4), width_ratios=(1.25, 1.1, 1.2), layout="constrained"
+        3, 1, figsize=(6.2, 12.5), height_ratios=(0.75, 1.2, 1.0), layout="constrained"
     )
     jc.plot.walls(upper, lower, spacing=0.25e-3, axes=section)
     jc.plot.aperture(joint, 0, contacts)
     _band(curves, ensemble)
-    section.set_title("two walls at first touch")
+    section.set_title("two walls at first touch, heights enlarged")
     contacts.set_title("the joint at 10 MPa")
     curves.set_title("closure of 20 pairs: mean and 90 % band")
     return figure
@@ -156,36 +157,54 @@ def assessment() -> Figure:
 def price_of_accuracy() -> Figure:
     """Draw errors of means and of single joints over the time of a joint, for two solvers.
 
-    These are the present solver, and that of the stored run ``price_before``.
+    These are the present solver, and that of the stored run ``price_before``. Bars of means are
+    standard errors. A vertical line is a setting, which is named above the first panel. Axes of
+    errors begin at 0.1 %: of a smaller mean only the bar is seen.
     """
-    tables = {"": stored("price_of_accuracy/price"), "before": stored("price_before/price")}
-    figure, panels = plt.subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
-    for axes, response in zip(panels.T.flat, ("closure 1", "closure 2", "stiffness 1",
-                                              "stiffness 2"), strict=True):  # fmt: skip
+    tables = {"": stored("price_of_accuracy/price"), "older": stored("price_before/price")}
+    figure, panels = plt.subplots(4, 1, figsize=(6.2, 11.5), sharex=True, layout="constrained")
+    responses = ("closure 1", "closure 2", "stiffness 1", "stiffness 2")
+    for axes, response in zip(panels, responses, strict=True):
         for solver, table in tables.items():
-            seconds = table.seconds / table.joints
-            known = table[f"{response} rms %"] > 0.0  # the reference has no error
-            look = {"ls": ":", "mfc": "none"} if solver else {"ls": "-"}
-            for colour, name, errors in (
-                ("C0", "mean", table[f"{response} mean %"].abs()),
-                ("C1", "single joint (rms)", table[f"{response} rms %"]),
-            ):
-                label = f"{name}, {solver}" if solver else name
-                axes.plot(
-                    seconds[known], errors[known], color=colour, marker="o", label=label, **look
-                )
-        axes.set(xscale="log", yscale="log", title=f"net {response[:-2]}, cycle {response[-1]}")
+            known = table[table[f"{response} rms %"] > 0.0]  # the reference has no error
+            seconds = known.seconds / known.joints
+            for time in seconds:
+                axes.axvline(time, color="0.85", ls=":" if solver else "-", lw=1.0, zorder=0)
+            look = {"ls": ":", "mfc": "white"} if solver else {"ls": "-"}
+            suffix = ", older version" if solver else ""
+            error = known[f"{response} standard error %"]
+            mean = known[f"{response} mean %"].abs()
+            axes.errorbar(
+                seconds, mean, [np.minimum(error, mean - 1e-6), error],
+                color="C0", marker="o", capsize=3, label=f"mean{suffix}", **look,
+            )  # fmt: skip
+            single = known[f"{response} rms %"]
+            axes.plot(
+                seconds, single, color="C1", marker="s", label=f"single joint{suffix}", **look
+            )
+        axes.set(xscale="log", yscale="log", xlim=(0.25, 14.0))
+        axes.set_ylim(0.1, 50.0)
+        axes.set_ylabel(f"net {response[:-2]}, cycle {response[-1]}\nsize of the error (%)")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
             axis.set_major_formatter("{x:g}")
             axis.set_minor_locator(NullLocator())
-        axes.grid(alpha=0.3)
-    for axes in panels[-1]:
-        axes.set_xlabel("processor time of a joint (s)")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("size of the error (%)")
-    panels[0, 0].legend(frameon=False)
+    _setting_names(panels[0], tables)
+    panels[-1].set_xlabel("processor time of a joint (s)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
     return figure
+
+
+def _setting_names(axes: Axes, tables: dict[str, pd.DataFrame]) -> None:
+    """Write the names of the settings above axes of their times."""
+    for solver, table in tables.items():
+        for row in table[table["closure 1 rms %"] > 0.0].itertuples():
+            name = f"{row.setting} {solver and '(older)'}".strip()
+            axes.annotate(
+                name, (row.seconds / row.joints, 1.02), xycoords=("data", "axes fraction"),
+                rotation=90, ha="center", va="bottom", fontsize=9.0,
+            )  # fmt: skip
 
 
 def _walls(seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -204,9 +223,13 @@ def _band(axes: Axes, ensemble: xr.Dataset) -> None:
             low, high, mean, stress = (np.insert(of, 0, 0.0) for of in (low, high, mean, stress))
             stress[0] = 0.5
             axes.fill_betweenx(stress, low, high, color=colour, alpha=0.15, lw=0)
-            style = {"color": colour, "label": f"cycle {cycle}, loading"}
+            width = 1.5 if cycle == 1 else 4.0  # the line of unloading lies on that of cycle 2
+            style = {"color": colour, "lw": width, "label": f"cycle {cycle}, loading"}
         axes.plot(mean, stress, **style)
-    axes.set(xlabel="net closure since 0.5 MPa (mm)", ylabel="normal stress (MPa)", ylim=0, xlim=0)
+    axes.set(
+        xlabel="net closure since 0.5 MPa of the same cycle (mm)", ylabel="normal stress (MPa)"
+    )
+    axes.set(xlim=(-0.002, None), ylim=0)
     axes.legend(frameon=False)
 
 

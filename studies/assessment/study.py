@@ -6,13 +6,11 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import seaborn as sns
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from jointclosure.assessment.assess import (
     ASSESSED,
@@ -26,29 +24,41 @@ from jointclosure.assessment.assess import Assessment as Assessed
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
-from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, subplots, ticks_at
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    panel_grid,
+    percent_ticks,
+    styled,
+    subplots,
+    ticks_at,
+)
 from jointclosure.storage.files import read_csv
 from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
 from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
-from studies.frame.panels import point_key
+from studies.frame.panels import key, legend_below, point_key
 from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped
 from studies.frame.walls import cut_walls, walls_of_files
 from studies.paper.layout import figure_text
 
-_COLUMNS = 4
+_COLUMNS = 2
 """Largest number of panels in a row."""
-_LARGEST_ROW = 5
-"""Largest number of entries of a legend beside each other."""
 _LEAST_SPREAD = 1e-5
 """Spread [1] at which smaller spreads are drawn too."""
 _SETTINGS = "osD^v"
 """Markers of the settings of the numerics."""
-_VERDICTS = {"easy": "o", "hard": "s", "not stable": "X"}
+_FILLED: dict[str, dict[str, Any]] = {
+    "easy": {},
+    "hard": {"mfc": "white"},
+    "not stable": {"fillstyle": "left"},
+}
+"""Filling of the markers of joints, by their verdict."""
+_LINEAR_SHARE = 1.0
+"""Percentage up to which axes of shares are linear."""
 
 
 def _panels(
@@ -84,13 +94,14 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
     numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
     drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
     alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
-    for axes, part in _panels(numerics, settings["titles"], (5.5, 3.8) if alone else (3.2, 2.8)):
+    for axes, part in _panels(numerics, settings["titles"], (5.5, 3.8) if alone else (3.1, 2.6)):
         _draw_price(axes, part, percent)
-    _scale_price(axes, drawn, percent)
+    scale = _scale_price(axes, drawn, percent)
     bar = f"95 % interval of the change from {drawn.reference.iloc[0]}"
     axes.plot([], [], "|", color="0.5", ms=9, label=bar)
-    axes.axhspan(0.0, 0.0, color="0.9", label="within the request")
-    return _finished(axes, "processor time of a joint (s)", "change of mean closure (%)")
+    axes.axhspan(0.0, 0.0, color="0.9", label=f"within the request of {percent:g} %")
+    words = f"change of mean closure (%){scale}"
+    return _finished(axes, "processor time of a joint (s), logarithmic", words)
 
 
 def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
@@ -116,17 +127,12 @@ def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
         axes.plot([], [], "o", color=f"C{cycle - 1}", mfc=fill, label=name)
 
 
-def _scale_price(axes: Axes, drawn: pd.DataFrame, within: float) -> None:
-    """Scale the axes of all panels: linear in the request [%], logarithmic beyond it."""
+def _scale_price(axes: Axes, drawn: pd.DataFrame, within: float) -> str:
+    """Scale the axes of all panels; return words on the scale of errors, linear ``within`` [%]."""
     axes.set(xscale="log", xlim=(0.6 * drawn.seconds.min(), 1.8 * drawn.seconds.max()))
-    largest = 1.2 * max(drawn.high_percent.max(), -drawn.low_percent.min(), 2.0 * within)
-    axes.set_yscale("symlog", linthresh=within)
-    axes.set_ylim(-largest, largest)
-    beyond = [
-        tick for tick in (1.0, 3.0, 10.0, 30.0, 100.0, 300.0) if 1.5 * within < tick < largest
-    ]
-    ticks_at(axes.yaxis, [*(-tick for tick in beyond), -within, 0.0, within, *beyond])
     decimal_ticks(axes.xaxis)
+    largest = 1.2 * max(drawn.high_percent.max(), -drawn.low_percent.min(), 4.0 * within)
+    return percent_ticks(axes.yaxis, within, -largest, largest)
 
 
 @styled
@@ -135,7 +141,7 @@ def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figu
     assessment = tables["assessment"]
     without = assessment[lacks_effects(assessment.variant)]
     shown = without[without.quantity.isin(JUDGED)]
-    for axes, part in _panels(without, settings["titles"], (3.0, 2.2)):
+    for axes, part in _panels(without, settings["titles"], (3.1, 2.4)):
         scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
     return _finished(axes, f"change of mean closure (%){scale}", "")
 
@@ -146,8 +152,7 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     figure.supxlabel(x, fontsize="medium")
     figure.supylabel(y, fontsize="medium")
     handles, labels = axes.get_legend_handles_labels()
-    columns = 2 if len(axes.figure.axes) == 1 else min(len(labels), _LARGEST_ROW)
-    figure.legend(handles, labels, loc="outside upper center", frameon=False, ncols=columns)
+    figure.legend(handles, labels, loc="outside upper center", frameon=False, ncols=2)
     sns.despine(figure)
     return figure
 
@@ -156,34 +161,44 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
 def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones."""
     hardness = tables["hardness"]
-    within = settings["within"]
-    figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.8))
     shares = ["spread", "unbreakable_share", "largest_jump"]
-    rocks = [settings["titles"][name] for name in dict.fromkeys(hardness.rock)]
-    titled = hardness.assign(rock=hardness.rock.map(settings["titles"]))
+    least = [_LEAST_SPREAD, 0.0, 0.0]
     joints, cases = (
-        part.assign(**100.0 * part[shares].clip(lower=_LEAST_SPREAD * np.array([1.0, 0.0, 0.0])))
-        for part in (titled, read_csv(HARD_CASES))
+        part.assign(**100.0 * part[shares].clip(lower=least, axis=1))
+        for part in (hardness, read_csv(HARD_CASES))
     )
-    for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
-        marks = {"x": x, "y": y, "ax": axes}
-        sns.scatterplot(cases, **marks, color="0.8", s=15, label="hard cases", legend=False)
-        styles = {"hue": "rock", "style": "verdict", "markers": _VERDICTS, "s": 40}
-        styles |= {"hue_order": rocks, "style_order": list(_VERDICTS)}
-        sns.scatterplot(joints, **marks, **styles, legend=False)
+    rocks = list(dict.fromkeys(joints.rock))
+    looks = {rock: {"color": f"C{i}", "marker": "osD^vP"[i % 6]} for i, rock in enumerate(rocks)}
+    verdicts = [name for name in _FILLED if (joints.verdict == name).any()]
+    figure, panels = subplots(2, 1, figsize=(6.0, 9.0))
+    for axes, x, y in zip(panels, ("spread", "contacts_at_max"), shares[1:], strict=True):
+        axes.plot(cases[x], cases[y], "o", color="0.82", ms=3.5, zorder=1)
+        for (rock, verdict), part in joints.groupby(["rock", "verdict"]):
+            fill = _FILLED[verdict] | looks[rock]
+            axes.plot(part[x], part[y], ls="", ms=6.5, mew=1.2, alpha=0.75, zorder=3, **fill)
         axes.set_xscale("log")
-    decimal_ticks(right.xaxis)  # the left axis, of spreads, spans too many decades
-    left.axvline(50.0 * within, color="0.5", ls="--", zorder=0)
-    left.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
-    left.set(xlabel="scatter of net closure over copies that should be equal (%)")
-    left.set(ylabel="force on contacts that cannot break (%)")
-    right.set(xlabel="cells in contact", ylabel="largest jump, of the closure (%)")
+        axes.set_yscale("symlog", linthresh=_LINEAR_SHARE, linscale=0.5)
+        axes.set_ylim(-0.4, 130.0)
+        ticks_at(axes.yaxis, (0.0, 1.0, 3.0, 10.0, 30.0, 100.0))
+    upper, lower = panels
+    decimal_ticks(lower.xaxis)
+    low = 100.0 * _LEAST_SPREAD
+    upper.set_xlim(0.6 * low, 200.0)
+    decades = [low, 0.01, 0.1, 1.0, 10.0, 100.0]
+    ticks_at(upper.xaxis, decades, [f"≤ {low:g}", *(f"{value:g}" for value in decades[1:])])
+    upper.axvline(50.0 * settings["within"], color="0.5", ls="--", zorder=0)
+    upper.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
+    upper.set_xlabel("scatter of net closure over copies\nthat should give equal results (%)")
+    scale = f"\nlogarithmic beyond {_LINEAR_SHARE:g}"
+    upper.set_ylabel(f"force on contacts that cannot break (%),{scale}")
+    lower.set(xlabel="cells in contact", ylabel=f"largest jump (% of closure),{scale}")
     handles: list[Artist] = [
-        *(Patch(color=f"C{number}", label=rock) for number, rock in enumerate(rocks)),
-        *(point_key(name, mark, color="0.2") for name, mark in _VERDICTS.items()),
-        point_key("hard cases", color="0.8", ms=4),
+        *(point_key(settings["titles"][rock], ms=6.5, **looks[rock]) for rock in rocks),
+        *(point_key(name, color="0.2", ms=6.5, **_FILLED[name]) for name in verdicts),
+        point_key("hard cases", color="0.82", ms=4),
+        key("limit of easy joints", color="0.5", ls="--"),
     ]
-    right.legend(handles=handles, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    legend_below(figure, handles, columns=3)
     sns.despine(figure)
     return figure
 

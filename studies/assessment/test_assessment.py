@@ -2,8 +2,6 @@
 
 import numpy as np
 import pandas as pd
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 import jointclosure as jc
 from jointclosure.assessment.assess import COPIES, JUDGED, LADDER
@@ -75,12 +73,21 @@ def test_errors_are_drawn_with_their_95_percent_intervals(tables):
 
 
 def test_rock_and_verdict_are_two_kinds_of_marks(tables):
-    figure = draw_assessment_hardness(tables, {"within": 0.05, "titles": {"slate": "A slate"}})
-    handles = {one.get_label(): one for one in figure.axes[1].get_legend().legend_handles}
-    assert isinstance(handles["A slate"], Patch)
-    for verdict in ("easy", "hard", "not stable"):
-        assert isinstance(handles[verdict], Line2D)
-        assert handles[verdict].get_color() == "0.2"
+    hardness = tables["hardness"]
+    other = hardness.assign(rock="dolerite", verdict="hard")
+    titles = {"slate": "A slate", "dolerite": "A dolerite"}
+    figure = draw_assessment_hardness(
+        {"hardness": pd.concat([hardness.assign(verdict="easy"), other])},
+        {"within": 0.05, "titles": titles},
+    )
+    handles = {one.get_label(): one for one in figure.legends[0].legend_handles}
+    slate, dolerite = (handles[title] for title in titles.values())
+    assert slate.get_marker() != dolerite.get_marker()
+    assert slate.get_color() != dolerite.get_color()
+    easy, hard = handles["easy"], handles["hard"]
+    assert easy.get_color() == hard.get_color() == "0.2"
+    assert easy.get_markerfacecolor() != hard.get_markerfacecolor()
+    assert "not stable" not in handles  # as no joint has this verdict
 
 
 def test_a_scene_that_fails_has_a_word_in_its_row(tables):

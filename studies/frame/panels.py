@@ -12,6 +12,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation
 
 from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, ticks_at
@@ -21,6 +22,8 @@ _KEY = 0.7
 """Width [inches] of an entry of a legend without its text."""
 _LETTER = 0.07
 """Width [inches] of a letter of a legend."""
+_INSIDE = 3
+"""Largest number of entries of a legend within a panel, if panels have different legends."""
 
 
 def key(label: str, **style) -> Line2D:
@@ -129,7 +132,7 @@ def panels(
     horizontal grey line in all panels, and ``sharey`` is as for `matplotlib.pyplot.subplots`.
     """
     shape = (len(rows), len(columns))
-    panel = (max(3.0, 9.0 / len(columns)), 2.1)
+    panel = (max(3.3, 6.6 / len(columns)), 2.3)
     figure, grid = panel_grid(*shape, panel, (0.0, 0.8), sharex="col", sharey=sharey)
     whole = pd.concat([row.table for row in rows], ignore_index=True)
     dashes = _dashes(whole[styles], names) if styles else {}
@@ -144,10 +147,12 @@ def panels(
             for style, dash in (dashes or {"": {}}).items()
         ]
         for panel, row in zip(axes, rows, strict=True):
-            _draw(panel, column, row, drawn, places, bars)
+            _draw(panel, column, row, drawn, places, bars, 1.8 if styles else 0.0)
             if reference is not None:
                 panel.axhline(reference, color="0.7", lw=0.8, zorder=0)
             panel.set(**row.axes)
+            if "ylim" in row.axes:
+                _mark_below(panel)
             if panel.get_yscale() == "log":
                 decimal_ticks(panel.yaxis, subs=_LOG_TICKS)
         axes[0].set_title(column.title)
@@ -156,8 +161,10 @@ def panels(
             axes[-1].set_xscale("log")
         elif column.scale == "symlog" and positive:  # small values are as far apart as large ones
             axes[-1].set_xscale("symlog", linthresh=positive[0], linscale=0.4)
-            axes[-1].set_xlim(-0.3 * positive[0], 1.3 * positive[-1])
-        axes[-1].set_xlabel(HEADINGS.get(column.along, column.along))
+            axes[-1].set_xlim(-0.4 * positive[0], 1.6 * positive[-1])
+        elif styles:
+            axes[-1].margins(x=0.08)  # for bars beside each other
+        axes[-1].set_xlabel(HEADINGS.get(column.along, column.along) + _scale_words(column, places))
         words = [_name(column.along, value, names) for value in places]
         ticks_at(axes[-1].xaxis, places.values(), words)
         styled_keys = [key(color="0.3", marker="o", ms=3.5, **dash) for dash in dashes.values()]
@@ -165,9 +172,14 @@ def panels(
         for level in list(column.level.items())[:1]:
             legends[column.lines].append(key(_name(*level, names), color="0.6"))
     for panel, row in zip(grid[:, 0], rows, strict=True):
-        panel.set_ylabel(fill(row.label, 30), fontsize="small")
+        panel.set_ylabel(fill(row.label, 28))
+    if len(legends) > 1:
+        for axes, (lines, handles) in zip(grid[0], list(legends.items()), strict=True):
+            if len(handles) <= _INSIDE:
+                axes.legend(handles=handles, title=HEADINGS.get(lines, lines), frameon=False)
+                del legends[lines]
     sides = ["center"] if len(legends) == 1 else ["left", "right"]
-    for side, (lines, handles) in zip(sides, legends.items(), strict=True):
+    for side, (lines, handles) in zip(sides, legends.items(), strict=False):
         fit = _fitting(handles, figure.get_figwidth() / len(legends))
         settings = {"ncols": fit, "frameon": False, "fontsize": "small"}
         title = "" if styles else HEADINGS.get(lines, lines)
@@ -175,19 +187,44 @@ def panels(
     return figure
 
 
+def _scale_words(column: PanelColumn, places: Mapping[float, float]) -> str:
+    """Return words on the scale of a column for the label of its axis."""
+    positive = [value for value in places if value > 0.0]
+    if column.scale == "symlog" and positive:
+        return f",\nlogarithmic beyond {positive[0]:g}"
+    return ",\nlogarithmic" if column.scale == "log" else ""
+
+
+def _mark_below(axes: Axes) -> None:
+    """Mark values below the lower end of an axis there, by an arrow and the value."""
+    low = axes.get_ylim()[0]
+    for line in [container[0] for container in axes.containers]:
+        for x, y in zip(*line.get_data(), strict=True):
+            if y < low:
+                axes.plot([x], [low], marker="v", ms=7.0, color=line.get_color(), clip_on=False)
+                axes.annotate(
+                    f"{y:.2g}", (x, low), (16.0, 3.0), textcoords="offset points", color="0.3"
+                )
+
+
 def _name(column: Any, value: Any, names: Names) -> str:
     return names.get(column, {}).get(value) or (value if isinstance(value, str) else f"{value:g}")
 
 
 def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
-    """Return label, colour and marker of lines by value; the colours of real numbers ascend."""
+    """Return label, colour and marker of lines by value; the colours of real numbers ascend.
+
+    Markers are hollow where colours are repeated.
+    """
     real = pd.api.types.is_float_dtype(values)
     known = list(dict.fromkeys(values.sort_values() if real else values))
     palette = sns.color_palette("viridis" if real else "colorblind", len(known))
     looks = {}
-    for value, colour, mark in zip(known, palette, itertools.cycle("osD^vP*X"), strict=False):
+    colours = len(known) if real else len(sns.color_palette("colorblind"))
+    for i, (value, mark) in enumerate(zip(known, itertools.cycle("osD^vP*X"), strict=False)):
         label = _name(values.name, value, names)
-        looks[value] = {"label": label, "color": colour, "marker": mark, "ms": 3.5}
+        looks[value] = {"label": label, "color": palette[i], "marker": mark, "ms": 3.5}
+        looks[value] |= {"mfc": "white"} if i >= colours else {}  # as its colour is repeated
     return looks
 
 
@@ -211,15 +248,30 @@ def _places(values: pd.Series, scale: str) -> dict[float, float]:
 
 
 def _draw(
-    axes: Axes, column: PanelColumn, row: Row, lines: Sequence, places: Mapping, bars: float
+    axes: Axes,
+    column: PanelColumn,
+    row: Row,
+    lines: Sequence,
+    places: Mapping,
+    bars: float,
+    apart: float,
 ) -> None:
-    """Draw the lines of a panel, and the level of its column as a line with its error as a band."""
+    """Draw the lines of a panel, and the level of its column as a line with its error as a band.
+
+    Lines are ``apart`` [points] beside each other, so that their bars are seen.
+    """
     table = column.of(row.table)
-    for where, look in lines:
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    for number, (where, look) in enumerate(lines):
         line = _having(table, where).sort_values(column.along)
         at = line[column.along].map(places)
         error = bars * line[row.error]
-        axes.errorbar(at, line[row.value], error, lw=1.0, capsize=1.5, **look)
+        drawn = axes.errorbar(at, line[row.value], error, lw=1.0, capsize=1.5, **look)
+        aside = apart * (number - 0.5 * (len(lines) - 1)) / 72.0
+        moved = axes.transData + ScaledTranslation(aside, 0.0, figure.dpi_scale_trans)
+        for artist in drawn.get_children() if apart else ():
+            artist.set_transform(moved)
     if column.level:
         level = _having(row.table, {**column.where, **column.level}).iloc[0]
         value = level[row.value]

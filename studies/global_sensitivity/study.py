@@ -1,6 +1,7 @@
 """Experiment on global sensitivity: variance indices of properties and of open choices."""
 
 from collections.abc import Mapping
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -75,47 +76,59 @@ SHOWN = titles_of_cycles(
 )
 """Title of each panel, by response and cycle."""
 _WIDTH = 1.96
+_LEAST_INDEX = 0.02
+"""Total index below which an input is not drawn."""
 _ROWS = "rows of the design"
 
 
 @styled
 def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """Draw first (hollow) and total indices of every input by response, with 95 % intervals.
+    """Draw first-order (hollow) and total indices of inputs by response, with 95 % intervals.
 
-    ``titles`` are those of the rocks by name.
+    Inputs are left out whose total indices are all below `_LEAST_INDEX`. ``titles`` are those of
+    the rocks by name.
     """
     most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
-    whole = table[table.rows == most]
-    names = [name for name in dict.fromkeys(whole.input) if name != _SURFACES]
+    whole = table[(table.rows == most) & (table.input != _SURFACES)]
+    shown = whole[[entry in SHOWN for entry in zip(whole.response, whole.cycle, strict=True)]]
+    largest = shown.groupby("input").total.max()
+    known = list(dict.fromkeys(whole.input))
+    names = [name for name in known if largest.get(name, 0.0) >= _LEAST_INDEX] or known
     labels = [figure_text(whole.title[whole.input == name].iloc[0]) for name in names]
     rocks = list(dict.fromkeys(whole.rock))
-    figure, grid = subplots(2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True)
+    height = 2.0 + 1.5 * len(names)
+    figure, grid = subplots(3, 2, figsize=(7.4, height), sharex=True, sharey=True)
     places = np.arange(len(names))[::-1]
     for axes, ((response, cycle), title) in zip(grid.flat, SHOWN.items(), strict=True):
         for number, rock in enumerate(rocks):
             part = whole[(whole.rock == rock) & (whole.response == response)]
             part = part[part.cycle == cycle].set_index("input").reindex(names)
-            at = places + 0.16 * ((len(rocks) - 1) / 2.0 - number)
+            at = places + 0.2 * ((len(rocks) - 1) / 2.0 - number)
             for kind, face in (("total", f"C{number}"), ("first", "white")):
                 axes.errorbar(
-                    part[kind], at, xerr=_WIDTH * part[f"{kind}_error"], fmt="o", ms=4.0,
-                    color=f"C{number}", markerfacecolor=face, lw=0.8,
+                    part[kind], at, xerr=_WIDTH * part[f"{kind}_error"], fmt=_mark(number),
+                    ms=5.0, color=f"C{number}", markerfacecolor=face, lw=0.8,
                     zorder=3 if kind == "first" else 2,
                 )  # fmt: skip
         axes.axvline(0.0, color="0.6", lw=0.8, zorder=0)
-        axes.set_title(title, fontsize=10)
-        axes.set_yticks(places, labels, fontsize=8)
+        axes.set_title(title, fontsize=11)
+        axes.set_yticks(places, [fill(label, 21) for label in labels])
         axes.grid(axis="y", lw=0.3)
     for axes in grid[-1]:
         axes.set_xlabel("share of the variance of the mean")
     keys = [
-        point_key(figure_text(titles[rock]), color=f"C{number}")
+        point_key(figure_text(titles[rock]), _mark(number), color=f"C{number}")
         for number, rock in enumerate(rocks)
     ]
     keys.append(point_key("total index", color="0.3"))
-    keys.append(point_key("first index", color="0.3", markerfacecolor="white"))
+    keys.append(point_key("first-order index", color="0.3", markerfacecolor="white"))
     legend_below(figure, keys)
     return figure
+
+
+def _mark(number: int) -> str:
+    """Return the marker of a rock by its number."""
+    return "osD^vP"[number % 6]
 
 
 def convergence_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
@@ -145,31 +158,38 @@ def conclusion_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     colours = {rock: f"C{number}" for number, rock in enumerate(rocks)} | {"all": "0.15"}
     unique = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
     rows = list(unique.itertuples(index=False))
-    figure, grid = subplots(1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True)
+    height = 2.0 + 1.1 * len(rows)
+    figure, grid = subplots(2, 2, figsize=(7.4, height), sharex=True, sharey=True)
     places = np.arange(len(rows))[::-1]
     cases = [
         (response, cycle) for cycle in (1, 2) for response in ("max_closure", "max_closure_net")
     ]
-    for axes, (response, cycle) in zip(grid, cases, strict=True):
+    for axes, (response, cycle) in zip(grid.flat, cases, strict=True):
         here = table[(table.response == response) & (table.cycle == cycle)]
         for number, rock in enumerate(rocks):
             part = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
             axes.errorbar(
                 100.0 * part.share, places + 0.14 * ((len(rocks) - 1) / 2.0 - number),
                 xerr=100.0 * np.array([part.share - part.share_low, part.share_high - part.share]),
-                fmt="D" if rock == "all" else "o", ms=4.5, color=colours[rock], lw=0.8,
+                fmt="X" if rock == "all" else _mark(number), ms=5.0, color=colours[rock], lw=0.8,
                 label=titles.get(rock, "in all rocks at once"),
             )  # fmt: skip
+        for place, row in zip(places, rows, strict=True):
+            if row.number not in set(here.number):
+                word = {"ha": "center", "va": "center", "color": "0.4", "fontsize": 9}
+                axes.text(50.0, place, "not judged", **word)
         net = ", net of bulk\nindentation" if response == "max_closure_net" else ""
-        axes.set_title(f"cycle {cycle}{net}", fontsize=10)
+        axes.set_title(f"cycle {cycle}{net}", fontsize=11)
         axes.set_yticks(
             places,
-            [f"{number}: {conclusion.replace('sigma_c', 'σc')}" for number, conclusion in rows],
-            fontsize=8,
+            [fill(f"{row.number}: {row.conclusion}".replace("sigma_c", "σc"), 27) for row in rows],
+            fontsize=9,
         )
-        axes.set(xlim=(-4.0, 104.0), xlabel="share of open choices (%)")
+        axes.set_xlim(-4.0, 104.0)
         axes.grid(axis="y", lw=0.3)
-    legend_below(figure, keys_of(grid[:1]), len(rocks))
+    for axes in grid[-1]:
+        axes.set_xlabel("share of combinations (%)")
+    legend_below(figure, keys_of(grid.flat[:1]))
     return figure
 
 

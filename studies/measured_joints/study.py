@@ -8,10 +8,11 @@ area of contact.
 """
 
 from collections.abc import Iterator, Mapping
+from textwrap import fill
 from typing import Any
 
-import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -20,11 +21,13 @@ from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots, ticks_at
 from jointclosure.walls import CrushedWalls, shifted
 from studies.frame.configuration import Configuration
-from studies.frame.panels import keys_of, legend_below
+from studies.frame.panels import key, point_key
 from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.measured_joints.observables import (
+    AGREES,
     BASE,
+    FITTED,
     HEADINGS,
     judged_joints,
     observables_of,
@@ -37,9 +40,17 @@ FILM_CELL = 0.5e-3
 """Spacing of the measured maps of contact stress [m]."""
 QUANTITIES: tuple[str, ...] = ("max_closure_seated_net", "residual_closure_seated_net")
 QUANTITIES += ("stiffness_net", "contact_at_max")
-_LOGARITHMIC = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
-_OFFSETS = (-0.27, -0.09, 0.09, 0.27)
-"""Offsets of independent walls and of walls fitted to three joints from the variant's place."""
+_LOGARITHMIC = ("first_stiffness", "later_closure", "later_stiffness")
+_BEST = 5
+"""Number of variants of highest score that are drawn beside the default choices."""
+_LANES = (-0.27, 0.0, 0.27)
+"""Offsets of the lines of three joints from the place of their row."""
+_JOINTS = (
+    {"color": "#0173b2", "marker": "o"},
+    {"color": "#de8f05", "marker": "s"},
+    {"color": "0.15", "marker": "^"},
+)
+"""Colour and marker of each joint; readers with any kind of colour vision distinguish them."""
 
 
 def measured_joints_jobs(study: Configuration) -> dict[str, list[Point]]:
@@ -134,50 +145,85 @@ def _observables(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFr
 
 @styled
 def draw_measured_joints(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw observables of all variants, with intervals of a single joint, beside measured bands."""
+    """Draw the judged observables of the default choices, and of the variants of highest score.
+
+    Each row has a line for each measured joint: a broad bar is the measured range, a thin bar the
+    interval of a single simulated joint. Markers of values that agree are filled. The last
+    row has independent walls with the default choices. The fitted observable is not drawn.
+    """
     table = tables["measured_joints"]
-    variants = list(dict.fromkeys(table.variant))
-    height = 1.0 + 0.32 * len(variants)
-    figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)
-    for axes, (name, title) in zip(panels.flat, HEADINGS.items(), strict=True):
-        _panel(axes, table[table.observable == name], variants)
-        axes.set_xlabel(title)
-        if name in _LOGARITHMIC:
-            axes.set_xscale("log")
-            decimal_ticks(axes.xaxis)
-        else:
-            axes.set_xlim(left=0.0)
+    rows = _shown_rows(table, tables["measured_joints_scores"].set_index("variant"))
+    judged = [name for name in HEADINGS if name != FITTED]
+    figure, panels = subplots(4, 2, figsize=(7.4, 14.0), sharey=True)
+    for axes, name in zip(panels.flat, judged, strict=False):
+        _panel(axes, name, {label: part[part.observable == name] for label, part in rows.items()})
     for axes in panels[:, 0]:
-        ticks_at(axes.yaxis, range(len(variants)), variants)
-        axes.set_ylim(len(variants) - 0.5, -0.5)
-    legend_below(figure, keys_of(panels.flat), columns=4)
+        ticks_at(axes.yaxis, range(len(rows)), [fill(label, 26) for label in rows])
+        axes.tick_params(axis="y", labelsize="small")
+        axes.set_ylim(len(rows) - 0.5, -0.5)
+    entries = _keys(list(dict.fromkeys(table.joint)))
+    agreeing = f"(7): values that agree,\nof {tables['measured_joints_scores'].of.max()}"
+    corner = panels.flat[-1]
+    corner.axis("off")
+    corner.legend(handles=[*entries, key(agreeing, ls="")], loc="center", frameon=False)
     return figure
 
 
-def _panel(axes: Axes, table: pd.DataFrame, variants: list[str]) -> None:
-    """Draw one observable over the variants."""
-    joints = list(dict.fromkeys(table.joint))
-    ranges = table.groupby("joint", sort=False)[["measured_low", "measured_high"]].first()
-    if ranges.drop_duplicates().shape[0] == 1:
-        axes.axvspan(*ranges.iloc[0], color="0.88", lw=0.0, label="measured, range of the joints")
+def _shown_rows(table: pd.DataFrame, scores: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the parts of a table that are drawn, by the label of their row."""
+    best = scores.drop(BASE).sort_values(["score", "constants"], ascending=[False, True])
+    names = [BASE, *best.index[:_BEST]]
+    mated = table[table.walls == "mated"]
+    rows = {f"{name} ({scores.score[name]})": mated[mated.variant == name] for name in names}
+    free = (table.walls == "independent") & (table.variant == BASE)
+    return rows | {"independent walls": table[free]}
+
+
+def _panel(axes: Axes, name: str, rows: Mapping[str, pd.DataFrame]) -> None:
+    """Draw one observable, with its measured ranges."""
+    axes.set_xlabel(HEADINGS[name])
+    whole = pd.concat(rows.values())
+    ends = whole[["low", "high", "measured_low", "measured_high"]].to_numpy()
+    if name in _LOGARITHMIC:
+        axes.set_xscale("log")
+        axes.set_xlim(0.9 * ends.min(), 1.1 * ends.max())
+        decimal_ticks(axes.xaxis)
     else:
-        for i, (low, high) in enumerate(ranges.to_numpy()):
-            band = f"measured, joint {joints[i]}"
-            axes.axvspan(low, high, color=f"C{i}", alpha=0.25, lw=0.8, label=band)
-    for i, joint in enumerate(joints):
-        mated = table[(table.walls == "mated") & (table.joint == joint)]
-        _bars(axes, mated, variants, _OFFSETS[i + 1], f"C{i}", f"mated, fitted to joint {joint}")
-    free = table[(table.walls == "independent") & (table.joint == joints[0])]
-    _bars(axes, free, variants, _OFFSETS[0], "0.55", "independent walls")
+        share = whole.unit.iloc[0] == "%"
+        axes.set_xlim(*((-3.0, 103.0) if share else (0.0, 1.05 * ends.max())))
+    for place, part in enumerate(rows.values()):
+        if place:
+            axes.axhline(place - 0.5, color="0.85", lw=0.8)
+        for lane, row in enumerate(part.itertuples()):
+            _joint(axes, row, place + _LANES[lane], _JOINTS[lane])
 
 
-def _bars(
-    axes: Axes, table: pd.DataFrame, variants: list[str], offset: float, colour: str, label: str
-) -> None:
-    """Draw means with the intervals of a single joint."""
-    places = [variants.index(name) + offset for name in table.variant]
-    bars = np.maximum(0.0, [table.value - table.low, table.high - table.value])
-    axes.errorbar(table.value, places, xerr=bars, fmt="o", ms=3, lw=1.0, color=colour, label=label)
+def _joint(axes: Axes, row: Any, place: float, look: Mapping[str, str]) -> None:
+    """Draw the measured range of a joint, and over it the interval of a simulated one."""
+    colour = look["color"]
+    ends = [row.measured_low, row.measured_high]
+    axes.plot(ends, [place, place], color=colour, alpha=0.35, lw=6.0, solid_capstyle="butt")
+    axes.plot(ends, [place, place], color=colour, alpha=0.7, ls="", marker="|", ms=7.0)
+    axes.plot([row.low, row.high], [place, place], color=colour, lw=1.2)
+    fill_colour = colour if row.judgement == AGREES else "white"
+    axes.plot([row.value], [place], ms=5.0, mfc=fill_colour, **look)
+    end = axes.get_xlim()[1]
+    if row.high > end:
+        axes.plot([end], [place], color=colour, marker=">", ms=6.0, clip_on=False)
+
+
+def _keys(joints: list) -> list[Artist]:
+    """Return the legend: joints, and what bars and filled markers are."""
+    entries: list[Artist] = [
+        point_key(f"joint {joint}", ms=5.0, **look)
+        for joint, look in zip(joints, _JOINTS, strict=True)
+    ]
+    entries.append(key("measured range", color="0.4", alpha=0.35, lw=6.0))
+    entries.append(key("simulated joint,\n95 % interval", color="0.4", lw=1.2))
+    entries.append(point_key("filled: agrees", color="0.4", ms=5.0))
+    entries.append(point_key("hollow: does not", color="0.4", mfc="white", ms=5.0))
+    entries.append(point_key("interval is longer", ">", color="0.4", ms=6.0))
+    return entries
 
 
 EXPERIMENT = Experiment(

@@ -636,7 +636,7 @@ def predictive_figure(
             axes.set_ylim(-len(names) + 0.38, 0.62)
             _scale(axes)
     for axes in panels[-1]:
-        axes.set_xlabel("interval, % of the rock's value")
+        axes.set_xlabel("indifference interval, % of the rock's value")
     compared = bool(len(published.index.intersection(entries)))
     legend_below(figure, _handles(draws, compared), 1, fontsize=9.5)
     return figure
@@ -660,18 +660,20 @@ def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
     axes.plot(ends, [y - 0.3] * 2, color=_OURS, lw=3.2, solid_capstyle="butt", zorder=3)
     if np.isfinite(middle):
         axes.plot([middle] * 2, [y - 0.38, y - 0.14], color=_OURS, lw=2.2, zorder=4)
-    share = 100.0 * np.mean(np.isinf(ours))
-    axes.text(_DASH, y - 0.26, f"{share:.0f} %", color=_OURS, ha="center", va="center", fontsize=9)
+    for values, place, colour in ((ours, y - 0.1, _OURS), (null, y - 0.4, "0.5")):
+        share = 100.0 * np.mean(np.isinf(values))
+        text = {"color": colour, "ha": "center", "va": "center", "fontsize": 8.5}
+        axes.text(1.45 * _DASH, place, f"{share:.0f} %", **text)
 
 
 def _draw_published(axes, y: float, percent: float) -> None:
-    at = (_DASH, y + 0.12) if np.isnan(percent) else (np.clip(percent, *_RANGE), y - 0.3)
-    axes.plot(*at, "D", color="k", mec="w", mew=1.0, ms=7.5, zorder=6, clip_on=False)
+    at = 0.78 * _DASH if np.isnan(percent) else np.clip(percent, *_RANGE)
+    axes.plot(at, y - 0.3, "D", color="k", mec="w", mew=1.0, ms=7.5, zorder=6, clip_on=False)
 
 
 def _scale(axes) -> None:
     axes.set_xscale("log")
-    axes.set_xlim(_RANGE[0], 1500.0)
+    axes.set_xlim(_RANGE[0], 2000.0)
     axes.axvline(_RANGE[1] * 1.12, color="0.5", lw=0.7)
     ticks_at(axes.xaxis, [*_TICKS, _DASH], [*(str(tick) for tick in _TICKS), "–"])
     for side in ("top", "right", "left"):
@@ -688,8 +690,10 @@ def _handles(draws: int, compared: bool) -> list:
     ]
     if compared:
         handles.append(point_key("the paper", "D", color="k", mec="w", ms=7.5))
-    text = "column –: no real root (share in this study)"
-    handles.append(key(text, ls="", color=_OURS))
+    text = (
+        "column –: no real root; shares of these studies,\nand (grey) if the property had no effect"
+    )
+    handles.append(point_key(text, r"$\%$", color=_OURS, ms=9))
     return handles
 
 

@@ -248,7 +248,7 @@ READ = (*JUDGED, "kni_net", "vm_net")
 """Quantities that are read of each cycle."""
 SHOWN = (
     ("max_closure_seated_net", 1),
-    ("max_closure_net", 1),
+    ("stiffness_net", 1),
     ("residual_closure_seated_net", 1),
     ("max_closure_seated_net", 2),
     ("stiffness_net", 2),

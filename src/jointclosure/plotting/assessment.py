@@ -23,15 +23,15 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     table = table.join(percent)
     within = 100.0 * assessment.within
     without = lacks_effects(table.variant)
-    figure, (left, right) = subplots(1, 2, figsize=(10.0, 3.6), width_ratios=(1.0, 0.9))
-    draw_price(left, table[~without], within)
+    figure, (upper, lower) = subplots(2, 1, figsize=(6.2, 8.6), height_ratios=(1.0, 1.1))
+    draw_price(upper, table[~without], within)
     finest = table.reference[~without].iloc[0]
-    left.set(title=f"error against {finest}", xlabel="processor time of a joint (s)")
-    left.set_ylabel("error of closure, net or gross (%)\n(larger end of its 95 % interval)")
-    scale = draw_effects(right, table[without], within)
-    right.set(title="effects", xlabel=f"change of closure (%){scale}")
-    for axes in (left, right):
-        axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
+    upper.set(title=f"error relative to {finest}", xlabel="processor time of a joint (s)")
+    upper.set_ylabel("largest error of closure (%),\nend of its 95 % interval")
+    scale = draw_effects(lower, table[without], within)
+    lower.set(title="change of closure without an effect", xlabel=f"change of closure (%){scale}")
+    for axes in (upper, lower):
+        axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.45, -0.17), ncols=2)
     words = f"{title}, hardness: {assessment.hardness.verdict[0]}"
     figure.suptitle(words, x=0.01, ha="left", parse_math=False)  # a file's name is not a formula
     sns.despine(figure)
@@ -50,7 +50,7 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
         axes.plot([], [], mark, color="0.5", label=name)
     for cycle, colour in colours.items():
         axes.plot([], [], lw=4, color=colour, label=f"cycle {cycle}")
-    axes.axhline(within, color="0.5", linestyle="--", label="request")
+    axes.axhline(within, color="0.5", linestyle="--", label=f"request ({within:g} %)")
     ends = [0.6 * settings.seconds.min(), 1.8 * settings.seconds.max()]
     axes.plot(ends, [within, within], alpha=0.0)  # room for ticks
     axes.set(xscale="log", yscale="log")
@@ -71,7 +71,8 @@ def draw_effects(
         rows = without[(without.quantity == name) & (without.cycle == cycle)]
         at = [names.index(variant) + 0.15 * (number - 1.5) for variant in rows.variant]
         bars = [rows.value_percent - rows.low_percent, rows.high_percent - rows.value_percent]
-        style: dict[str, Any] = {"fmt": "o", "ms": 4, "mfc": None if name == JUDGED[0] else "w"}
+        style: dict[str, Any] = {"fmt": "os"[cycle % 2 - 1], "ms": 4.5}
+        style["mfc"] = None if name == JUDGED[0] else "w"
         style |= {"color": f"C{cycle - 1}", "label": f"{ASSESSED[name]}, cycle {cycle}"}
         axes.errorbar(rows.value_percent, at, xerr=bars, **style)
     axes.set_yticks(range(len(names)), names)

@@ -21,7 +21,7 @@ from jointclosure.plotting.walls import draw_field
 
 STRESSES = 16  # snapshots of a branch for a smooth animation
 CONTACTS = "#f0e442"  # yellow; it is lighter than all colours of apertures, so that all see it
-_APERTURES = ListedColormap(sns.color_palette("mako", 256)[:170])  # black to blue-green
+_APERTURES = ListedColormap(sns.color_palette("mako", 256)[50:170])  # dark blue to blue-green
 _PAUSE = 300  # duration of a frame in milliseconds
 _ROWS = 3  # of full size; with n snapshots each map has sqrt(n / 3) columns
 

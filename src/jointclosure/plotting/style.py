@@ -27,6 +27,9 @@ from jointclosure.joint.status import LOADING, UNLOADING
 BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
 """Line style of each branch in every figure."""
 
+_LABEL_WIDTH, _LABEL_HEIGHT = 0.38, 0.25
+"""Least distances [inches] of labels beside and above each other."""
+
 _STYLE = {  # settings of matplotlib
     **sns.plotting_context("paper", font_scale=1.1),
     **sns.axes_style("ticks"),
@@ -106,25 +109,33 @@ def percent_ticks(axis: Axis, linear: float, low: float, high: float, narrow: bo
     """Scale an axis of signed percentages, and return words on the scale for its label.
 
     An axis that reaches no further than four times ``linear`` is linear. A longer one is linear up
-    to there and logarithmic beyond, with fewer ticks where decades are many or the axis is
-    ``narrow``.
+    to there and logarithmic beyond; the linear part of a ``narrow`` one is half as long. It has as
+    many labels as there is room for, powers of ten first, and short ticks between them.
     """
+    horizontal = isinstance(axis, XAxis)
+    axes = axis.axes
     set_scale, set_limits = (
-        (axis.axes.set_xscale, axis.axes.set_xlim)
-        if isinstance(axis, XAxis)
-        else (axis.axes.set_yscale, axis.axes.set_ylim)
+        (axes.set_xscale, axes.set_xlim) if horizontal else (axes.set_yscale, axes.set_ylim)
     )
     if max(-low, high) <= 4.0 * linear:
         set_limits(low, high)
         return ""
     set_scale("symlog", linthresh=linear, linscale=0.5 if narrow else 1.0)
     set_limits(low, high)
-    decades = sum(max(0.0, np.log10(max(end, linear) / linear)) for end in (-low, high))
-    steps = (1.0, 3.0) if decades <= 2.2 and not narrow else (1.0,)
-    beyond = [step * 10.0**power for power in range(-3, 7) for step in steps]
-    apart = 1.9 if decades <= 1.2 else 2.9  # ratio of a tick to the end of the linear part
-    beyond = [value for value in beyond if value > apart * linear]
-    beyond = sorted(value for end in beyond for value in (-end, end) if low <= value <= high)
-    ends = [value for value in (-linear, linear) if low <= value <= high]
-    ticks_at(axis, sorted([0.0, *beyond, *([] if narrow and beyond else ends)]))
+    steps = [step * 10.0**power for step in range(1, 10) for power in range(-3, 7)]
+    beyond = sorted(step for step in steps if linear < step <= max(-low, high))
+    by_lead = {lead: [value for value in beyond if f"{value:e}"[0] == lead] for lead in "1532"}
+    tens = [value for value in reversed(by_lead["1"]) if value > 3.0 * linear]
+    magnitudes = [0.0, *tens, linear, *(value for lead in "1532" for value in by_lead[lead])]
+    length = (axes.bbox.width if horizontal else axes.bbox.height) / axes.figure.dpi
+    places = axis.get_transform().transform
+    start, end = places(np.array([low, high]))
+    apart = (_LABEL_WIDTH if horizontal else _LABEL_HEIGHT) * (end - start) / length
+    ticks: list[float] = []
+    for value in (sign * magnitude for magnitude in magnitudes for sign in (1.0, -1.0)):
+        gaps = np.abs(places(np.array(ticks)) - places(np.array([value]))) if ticks else np.inf
+        if low <= value <= high and np.min(gaps) >= apart:
+            ticks.append(value)
+    ticks_at(axis, sorted(ticks))
+    axis.set_minor_locator(FixedLocator([sign * value for value in beyond for sign in (-1, 1)]))
     return f", logarithmic beyond ±{linear:g}"

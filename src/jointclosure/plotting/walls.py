@@ -90,7 +90,8 @@ def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> 
     axes.fill_between(x, below, over, color="0.85", lw=0.0)
     axes.plot(x, over, color="C0", lw=1.1, label="upper wall")
     axes.plot(x, below, color="C1", lw=1.1, label="lower wall")
-    axes.plot(x[column], below[column], "o", ms=9, mfc="none", mec="red", mew=1.6)
+    touch = {"ms": 10, "mfc": "none", "mec": "k", "mew": 1.6, "label": "first touch"}
+    axes.plot(x[column], below[column], "o", **touch)
     y = 1e3 * (row + 0.5) * spacing
     axes.set(title=f"section at y = {y:.3g} mm", xlabel="x (mm)", ylabel="height (mm)")
 
