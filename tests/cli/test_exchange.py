@@ -13,11 +13,12 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.cli import exports
 from jointclosure.cli import main as cli
-from jointclosure.cli.results import _flow_remarks
+from jointclosure.cli.results import _flow_remarks, summary
+from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import flow
 from jointclosure.joint.curves import table_levels
 from jointclosure.joint.history import history_of
-from jointclosure.joint.laws import fitted_laws, laws_of_joint, parameter
+from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, parameter
 from jointclosure.joint.tables import (
     TRANSMISSIVITIES,
     WATER,
@@ -28,7 +29,7 @@ from jointclosure.joint.tables import (
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.files import write
 from jointclosure.storage.netcdf import read_netcdf
-from tests.joints import SPACING, closed, on_softer_half_spaces
+from tests.joints import COARSE, SPACING, closed, on_softer_half_spaces
 
 UNKNOWN = ["at_least", "not_solved"]
 """Statuses of a flow of which only bounds are known."""
@@ -172,6 +173,58 @@ def test_a_blocked_flow_gives_geos_a_bound_under_its_name_alone(history):
     assert 'voxelFile="geos_aperture_bound.csv"' in files["geos.xml"]
 
 
+@pytest.fixture(scope="module")
+def shut_at_the_maximum(history):
+    """A history whose flow is blocked along x at the maximum of cycle 1, and flows elsewhere."""
+    top = int(history_of(history).branch(1, "unloading").steps[0])
+    flowing = with_flow(history, statuses={top: "blocked"})
+    for name in ("hydraulic_aperture", "smallest_hydraulic"):
+        flowing[name][top, 0] = 0.0
+    return flowing
+
+
+def test_a_stress_beside_a_blocked_step_has_no_aperture(shut_at_the_maximum):
+    table = stress_table(shut_at_the_maximum)
+    shut = table.flow_status == "blocked"
+    known = ["hydraulic_aperture_mm", "transmissivity_m2_per_s", "smallest_hydraulic_mm"]
+    assert (table.loc[shut, PLACE] < 5.0).any()  # between the steps, not at the blocked one alone
+    assert (table.loc[shut, known] == 0.0).all(axis=None)
+    assert (table.loc[shut, "largest_hydraulic_mm"] > 0.0).all()
+    flows = table[table.flow_status == "flows"]
+    assert (flows[known] > 0.0).all(axis=None)
+
+
+def test_stresses_without_an_aperture_are_named_on_the_screen(history, shut_at_the_maximum):
+    laws = LAWS._replace(by_cycle={})
+    table = stress_table(shut_at_the_maximum)
+    loading = table[(table.cycle == 1) & (table.branch == "loading")]
+    first = loading[PLACE][loading.flow_status == "blocked"].min()
+    _, record = summary(shut_at_the_maximum, laws, table)
+    (named,) = (line for line in record["remarks"] if "these stresses of answer.csv" in line)
+    assert "the hydraulic aperture is 0, as the flow is blocked" in named
+    stresses = named.partition("cycle 1, loading: ")[2].partition(";")[0]
+    assert float(re.findall(r"[\d.]+", stresses)[0]) == first
+    assert stresses.endswith("5")
+    assert "cycle 2" not in named
+    _, record = summary(with_flow(history), laws, stress_table(with_flow(history)))
+    assert not any("these stresses of answer.csv" in line for line in record["remarks"])
+    top = int(history_of(history).branch(2, "unloading").steps[0])
+    bounded = with_flow(history, statuses={top: "at_least"})
+    _, record = summary(bounded, laws, stress_table(bounded))
+    (named,) = (line for line in record["remarks"] if "these stresses of answer.csv" in line)
+    assert named.startswith("only bounds of the hydraulic aperture are known at these")
+    assert "cycle 2, loading: " in named
+
+
+def test_a_blocked_flow_has_no_point_on_a_logarithmic_axis(shut_at_the_maximum):
+    axes = engineering_figure(shut_at_the_maximum, "a joint").axes[3]
+    assert axes.get_yscale() == "log"
+    lines = [line for line in axes.lines if line.get_label().startswith("cycle 1")]
+    drawn = np.concatenate([line.get_ydata() for line in lines])
+    assert np.isnan(drawn).any()
+    assert not (drawn == 0.0).any()
+
+
 def test_apertures_for_geos_never_open_as_the_joint_closes(history):
     """Breakage may free a path: what GEOS reads is the smallest aperture up to that stress."""
     flow = with_flow(history)
@@ -298,6 +351,41 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     assert residual + opening - closes == pytest.approx(aperture, rel=0.01)
     fitted = 1e9 * parameter(fitted_laws(history), 2, "loading", "kni_MPa_per_mm")
     assert stiffness == pytest.approx(fitted, rel=0.02)  # at fewer stresses
+
+
+@pytest.fixture(scope="module")
+def from_zero():
+    """A joint without a seating stress, whose table begins above zero stress."""
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=1)
+    return closed(walls, seating_stress=0.0, numerics=COARSE, cycles=1)
+
+
+def test_without_a_seating_stress_constants_of_programs_are_those_on_the_screen(from_zero):
+    stiffness, opening, residual = porepy(from_zero).values()
+    fits = fitted_laws(from_zero)
+    fitted = 1e9 * parameter(fits, 1, "loading", "kni_MPa_per_mm")
+    assert stiffness == pytest.approx(fitted, rel=0.1)  # at fewer stresses
+    assert opening == pytest.approx(1e-3 * parameter(fits, 1, "loading", "vm_mm"), rel=0.05)
+    at_first_touch = float(from_zero.mean_aperture[0])
+    assert residual == pytest.approx(at_first_touch - opening, rel=1e-6)
+
+
+def test_a_loading_that_closes_beyond_its_hyperbola_is_warned_of(from_zero):
+    """It closes at once, and then in proportion to the stress."""
+    laws = LAWS._replace(by_cycle={})
+    stress = 1e-6 * from_zero.normal_stress
+    closure = 1e-3 * (0.1 * (1.0 - np.exp(-20.0 * stress)) + 0.02 * stress)
+    bent = from_zero.assign(closure=closure, bulk_indentation=0.0 * closure)
+    largest = law_curves(bent)[1, "loading"][1].max()
+    fitted = fitted_laws(bent, ["hyperbolic"], ["loading"]).iloc[1]
+    assert fitted.value < largest
+    text, record = summary(bent, laws, stress_table(bent))
+    warned = [line for line in cautions(record["remarks"]) if "a hyperbola does not" in line]
+    assert len(warned) == 1
+    assert "describe the loading of cycle 1: " in warned[0]
+    assert f"misses the closures by {1e3 * fitted.rms_mm:.2g} um rms" in warned[0]
+    assert warned[0] in text
+    assert "a hyperbola does not" not in summary(from_zero, laws, stress_table(from_zero))[0]
 
 
 LAWS = laws_of_joint(9.0, 165e6, 0.5e6, 2, 1.0)

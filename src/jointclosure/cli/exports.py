@@ -134,13 +134,14 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             f"{program}: the loading of cycle {cycle} goes beyond its former maximum, "
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
+    aperture = 1e3 * history.seat(cycle, LOADING, "mean_aperture")
     found = {}
     for ending, rows in loadings.items():
         stress = rows.normal_stress_MPa
         closure = rows.closure_net_since_seating_mm.to_numpy()
-        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
+        start = closure[0] if seating > 0.0 else 0.0  # else the first stress is above seating
+        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - start, seating)
         stiffness, largest = fitted
-        aperture = float(rows.mean_aperture_mm.iloc[0])
         if not np.isfinite(largest):
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "

@@ -13,7 +13,7 @@ import xarray as xr
 from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
-from jointclosure.joint.laws import JointLaws
+from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
 from jointclosure.joint.status import FAILURE, LOADING, STATUSES
 from jointclosure.joint.tables import (
     HYDRAULIC,
@@ -77,9 +77,10 @@ def summary(
     ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
     """
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
+    remarks += _hyperbola_remarks(closed)
     remarks += _overlap_remarks(closed)
     if history_of(closed).has_flow:
-        remarks += _flow_remarks(closed)
+        remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
     table = result_table(closed, laws, curves, budget)
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     head = (
@@ -108,6 +109,25 @@ def summary(
         "remarks": remarks,
     }
     return "\n".join(lines), answer
+
+
+def _hyperbola_remarks(closed: xr.Dataset) -> list[str]:
+    """Return cautions about loadings that close further than their fitted hyperbola can."""
+    closures = law_curves(closed)
+    laws = fitted_laws(closed, ["hyperbolic"], [LOADING])
+    remarks: list[str] = []
+    for row in laws[laws.parameter == "vm_mm"].itertuples():
+        largest = closures[row.cycle, LOADING][1].max()
+        if row.value < largest:
+            remarks.append(
+                caution(
+                    f"a hyperbola does not describe the loading of cycle {row.cycle}: the fitted "
+                    f"Vm of {row.value:.3g} mm is below the largest closure of {largest:.3g} mm, "
+                    f"and the hyperbola misses the closures by {1e3 * row.rms_mm:.2g} um rms; "
+                    "the curve is to be used in place of kni and Vm"
+                )
+            )
+    return remarks
 
 
 def _overlap_remarks(closed: xr.Dataset) -> list[str]:
@@ -221,6 +241,39 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
             text = reason.format(steps=f"{count} of {steps} steps", **about)
             remarks.append(caution(text) if status in ONLY_BOUNDS else text)
     return remarks
+
+
+def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
+    """Name the stresses of `stress_table` at which the flow is blocked, or known by bounds only."""
+    reached = curves.dropna(subset=_NAMED[0])
+    aperture = reached.hydraulic_aperture_mm
+    cases = {
+        "the hydraulic aperture is 0, as the flow is blocked,": aperture == 0.0,
+        "only bounds of the hydraulic aperture are known": aperture.isna(),
+    }
+    remarks = []
+    for what, here in cases.items():
+        parts = []
+        for (cycle, branch), rows in reached.groupby(["cycle", "branch"], sort=False):
+            chosen = here[rows.index].to_numpy()
+            if chosen.any():
+                stresses = _intervals(rows.normal_stress_MPa.to_numpy(), chosen)
+                parts.append(f"cycle {cycle}, {branch}: {stresses}")
+        if parts:
+            remarks.append(f"{what} at these stresses of answer.csv (MPa): {'; '.join(parts)}")
+    return remarks
+
+
+def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
+    """Name the chosen ones of increasing stresses, those of three or more in a row by both ends."""
+    parts = []
+    changes = np.flatnonzero(np.diff(chosen)) + 1
+    runs = zip(np.split(stresses, changes), np.split(chosen, changes), strict=True)
+    for run, of_run in runs:
+        texts = [f"{stress:g}" for stress in run]
+        if of_run.any():
+            parts.append(f"{texts[0]} to {texts[-1]}" if len(texts) > 2 else ", ".join(texts))
+    return ", ".join(parts)
 
 
 def failed(closed: xr.Dataset) -> bool:

@@ -209,9 +209,10 @@ def _draw_closure(
 
 
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
-    """Draw transmissivity over stress where it is known; its upper bound dotted."""
+    """Draw transmissivity over stress where it is known and above 0; its upper bound dotted."""
     name = "transmissivity_m2_per_s"
-    _draw_along(axes, curves, name)
+    drawn = [name, *members(curves, name)[2:]]  # a band may end at 0, and a line may not
+    _draw_along(axes, curves.assign(**curves[drawn].where(curves[drawn] > 0.0)), name)
     axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3
