@@ -212,7 +212,7 @@ def test_curves_lie_between_the_ends_of_their_range(ranged):
 
 
 def test_an_end_of_the_range_has_input_of_porepy_where_vm_is_determined(ranged):
-    assert {"porepy_high.json"} <= set(contents(ranged[0]))
+    assert {"porepy_closes_more.json"} <= set(contents(ranged[0]))
 
 
 def test_a_report_of_a_joint_with_a_range_is_written(ranged, command):
@@ -356,3 +356,13 @@ def test_contacts_that_overlap_by_more_than_the_void_are_warned_of(joint):
     text, record = summary(closed, joint.laws, stress_table(closed))
     assert text.count("contacts are pressed into each other by 0.") == closed.load_cycle.max()
     assert len(cautions(record["remarks"])) == closed.load_cycle.max()
+
+
+def test_an_aperture_that_is_zero_within_rounding_is_shown_as_none(joint):
+    shut = joint.history.copy()
+    shut["mean_aperture"] = 1e-21 + 0.0 * shut.mean_aperture
+    text, record = summary(shut, joint.laws, stress_table(shut), at=[1e6])
+    assert "mm on average over all cells, and no aperture is left: the model of" in text
+    assert record["table"]["cycle 1"][QUANTITIES["mean_aperture_at_max_mm"]] == "0"
+    assert record["at"][0]["mean aperture (mm)"] == "0"
+    assert "e-18" not in text

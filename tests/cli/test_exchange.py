@@ -17,6 +17,7 @@ from jointclosure.cli.results import _flow_remarks, summary
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import flow
 from jointclosure.joint.curves import table_levels
+from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, parameter
 from jointclosure.joint.tables import (
@@ -264,12 +265,96 @@ def test_the_ends_of_a_band_have_itasca_tables_of_their_own(history, band, endin
     np.testing.assert_allclose(values, BAND[ending] * known, rtol=1e-6)
 
 
-@pytest.mark.parametrize("ending", BAND)
-def test_the_ends_of_a_band_have_porepy_files_of_their_own(history, band, ending):
-    solid = exports.porepy_files(history, band)[f"porepy{ending.replace('-', '_')}.json"]
-    for name, value in porepy(history).items():
-        power = -1.0 if name == "fracture_normal_stiffness" else 1.0
-        assert solid[name] == pytest.approx(BAND[ending] ** power * value, rel=1e-3)
+CLOSES = {"": 1.0, "_closes_less": LOW, "_closes_more": HIGH}
+"""Factors of the closure by endings of the constants that are fitted to it."""
+
+
+@pytest.mark.parametrize("ending", CLOSES)
+def test_joints_that_close_less_or_more_have_porepy_files_of_their_own(history, band, ending):
+    files = exports.porepy_files(history, band)
+    assert set(files) == {f"porepy{end}.json" for end in CLOSES}
+    stiffness, opening, residual = files[f"porepy{ending}.json"].values()
+    stiff, opens, stays = porepy(history).values()
+    assert stiffness == pytest.approx(stiff / CLOSES[ending], rel=1e-3)
+    assert opening == pytest.approx(CLOSES[ending] * opens, rel=1e-3)
+    # all begin at the aperture of the joint at seating
+    assert residual == pytest.approx(stays + opens - opening, rel=1e-6)
+
+
+def test_the_residual_aperture_of_the_joint_lies_between_those_of_its_band(history, band):
+    files = exports.porepy_files(history, band).values()
+    joint, less, more = (solid["residual_aperture"] for solid in files)
+    assert more < joint < less
+
+
+def test_fish_names_joints_that_close_less_or_more(history, band):
+    values, _ = fish_constants(history, band)
+    for ending, factor in CLOSES.items():
+        assert values[f"bb_vm{ending}"] == pytest.approx(factor * values["bb_vm"], rel=1e-3)
+    text = exports.barton_bandis_commands(history, band, LAWS)["barton_bandis.dat"]
+    (line,) = re.findall(r"^\[global bb_kni_closes_less = .*$", text, re.M)
+    assert line.endswith("a joint that closes less, an end of the band of closure")
+    assert not re.search("_low|_high", text)
+
+
+def test_constants_say_from_which_stress_their_hyperbola_is_fitted(history):
+    text = exports.barton_bandis_commands(history, stress_table(history), LAWS)
+    about = "kni (Pa/m) of the hyperbola fitted from 0.5 MPa to cycle 2"
+    assert about in text["barton_bandis.dat"]
+    table = summary(history, LAWS, stress_table(history))[1]["table"]["cycle 2"]
+    labels = "kni of the hyperbola fitted from 0.5 MPa (MPa/mm)", "Vm of the hyperbola fitted from"
+    for label in labels:
+        assert any(name.startswith(label) for name in table)
+
+
+@pytest.fixture(scope="module")
+def first_cycle(history):
+    """The joint as it is after its first cycle."""
+    return history.sel(step=history.load_cycle == 1).sel(cycle=[1])
+
+
+def test_every_input_of_another_program_names_its_cycle_and_the_first_one(
+    history, first_cycle, capsys
+):
+    first, second = net_responses(history)["stiffness_net"]
+    title = f"cycle 2, the last loading from seating, which is {second / first:.3g} times as stiff"
+    laws = LAWS._replace(by_cycle={})
+    files = exports.export_files(history, "a joint", stress_table(history), laws)
+    printed = capsys.readouterr().out
+    for text in (printed, files["barton_bandis.dat"]):
+        assert f"of {title} as cycle 1 (chords of kn); --cycles 1 gives the first loading" in text
+    for name in ("geos.xml", "geos_barton_bandis.xml"):
+        assert f"of the loading of {title} as cycle 1" in files[name]
+        ElementTree.fromstring(files[name])  # whose comments have no two hyphens
+    files = exports.export_files(first_cycle, "a joint", stress_table(first_cycle), laws)
+    for text in (capsys.readouterr().out, files["barton_bandis.dat"], files["geos.xml"]):
+        assert "of cycle 1, the first loading" in text
+        assert "cycles 1" not in text
+
+
+@pytest.mark.parametrize(
+    ("share", "title"),
+    [(None, "mean aperture"), (1.0, "hydraulic aperture"),
+     (0.0, "UPPER BOUND of the hydraulic aperture")],
+)  # fmt: skip
+def test_the_function_of_geos_says_which_aperture_it_has(history, share, title, capsys):
+    joint = history if share is None else with_flow(history, share)
+    text = exports.geos_files(joint, stress_table(joint))["geos.xml"]
+    assert f"Gap and {title} in m," in text
+    warned = "geos.xml: its table, geos_aperture_bound.csv, is the upper bound of the hydraulic"
+    assert (warned in capsys.readouterr().out) == (share == 0.0)
+
+
+@pytest.mark.parametrize("status", ["flows", "not_solved"])
+def test_the_aperture_of_porepy_is_compared_with_that_of_the_flow(history, capsys, status):
+    """Here the hydraulic aperture is twice the mean one, the geometric mean of 1 and 4."""
+    porepy(history)
+    assert capsys.readouterr().out == ""
+    top = int(history_of(history).branch(2, "unloading").steps[0])
+    porepy(with_flow(history, statuses={top: status} if status != "flows" else None))
+    known = "2 times it" if status == "flows" else "not known"
+    about = "residual_aperture is of the mean aperture; the hydraulic aperture is"
+    assert f"- PorePy: {about} {known} at 5 MPa" in capsys.readouterr().out
 
 
 def test_the_ends_of_a_band_have_geos_tables_of_their_own(history, band):

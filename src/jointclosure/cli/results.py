@@ -26,8 +26,8 @@ from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.files import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
+from jointclosure.uncertainty.results import APERTURE, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
-from jointclosure.uncertainty.results import VM, results_of, table_of
 
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
@@ -93,17 +93,18 @@ def summary(
             "properties."
         )
     lines = [head, table.to_string()]
-    if budget is not None:
-        lines += budget.tables()[1:]
+    choices = list(budget.choices) if budget is not None else []
+    wider = pd.DataFrame()
+    if budget is not None and choices:
+        wider = budget.wider_table().rename(index=_of_hyperbola(closed))
+        lines += [budget.wider_title(), wider.to_string()]
     named = named_table(curves, at)
     if len(named):
         lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
     lines += [f"- {remark}" for remark in remarks]
-    choices = list(budget.choices) if budget is not None else []
-    wider = budget.wider_table().to_dict() if budget is not None and choices else {}
     answer = {
         "table": table.to_dict(),
-        "with_other_choices": wider,
+        "with_other_choices": wider.to_dict(),
         "choices": choices,
         "at": named.to_dict("records"),
         "remarks": remarks,
@@ -140,11 +141,14 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
         overlap = 1e3 * float(at_maximum.mean_overlap)
         aperture = 1e3 * float(at_maximum.mean_aperture)
         if overlap > aperture:
+            left = f"more than the mean aperture of {aperture:.2g} mm that is left"
+            if aperture <= ROUNDING:
+                left = "and no aperture is left"
             pressed = (
                 f"at the maximum of cycle {cycle.number} contacts are pressed into each other by "
-                f"{overlap:.2g} mm on average over all cells, more than the mean aperture of "
-                f"{aperture:.2g} mm that is left: the model of separate asperities does not hold "
-                "there, and closure and aperture are to be used at lower stresses only"
+                f"{overlap:.2g} mm on average over all cells, {left}: "
+                "the model of separate asperities does not hold there, and closure and aperture "
+                "are to be used at lower stresses only"
             )
             remarks.append(caution(pressed))
     return remarks
@@ -166,6 +170,12 @@ def named_table(curves: pd.DataFrame, at: Sequence[float]) -> pd.DataFrame:
     return shown
 
 
+def _of_hyperbola(closed: xr.Dataset) -> dict[str, str]:
+    """Return headings of kni and Vm by their general ones, with the stress they count from."""
+    where = f"of the hyperbola fitted from {1e-6 * history_of(closed).seating_stress:g} MPa"
+    return {BUDGETED[KNI]: f"kni {where} (MPa/mm)", BUDGETED[VM]: f"Vm {where} (mm)"}
+
+
 def result_table(
     closed: xr.Dataset, laws: JointLaws, curves: pd.DataFrame, budget: Budget | None = None
 ) -> pd.DataFrame:
@@ -176,11 +186,14 @@ def result_table(
         value = float(results.loc[cycle, name])
         if name == VM and np.isnan(value):
             return UNDETERMINED
+        if name == APERTURE and value <= ROUNDING:
+            return "0"
         return NOT_MODELLED if abs(value) <= ROUNDING else number_text(value)
 
     table = budget.table() if budget else table_of(results.index, text)
     for title, values in law_values(closed, laws).items():
         table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
+    table = table.rename(index=_of_hyperbola(closed))
     reached = curves[curves.branch == LOADING].dropna(subset=members(curves, _NAMED[0]))
     highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
     for name in _FLOW if history_of(closed).has_flow else ():
@@ -195,7 +208,10 @@ def result_table(
 def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
     """Return a quantity of `stress_table` as text, each value with its band if that is known."""
     columns = members(curves, name)
-    values = curves[columns].map(lambda value: number_text(value, figures))
+    least = ROUNDING if name.endswith("_mm") else 0.0
+    values = curves[columns].map(
+        lambda value: number_text(0.0 if abs(value) <= least else value, figures)
+    )
     middle, *ends = (values[column] for column in columns)
     return middle + " (" + ends[0] + " to " + ends[1] + ")" if ends else middle
 
