@@ -173,6 +173,7 @@ def engineering_figure(
     panels[2].set(title="mean aperture", ylim=(0.0, None))
     if has_flow:
         _draw_flow(panels[3], curves)
+        panels[3].set_xlim(panels[2].get_xlim())  # also where nothing flows
     for axes in panels:
         sns.despine(ax=axes)
         axes.legend(frameon=False, fontsize=8)
