@@ -67,8 +67,8 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
-    if cycle := _last_from_seating(joint, curves):
-        of_loading = _of_loading(joint, cycle)
+    if last := _last_from_seating(joint, curves):
+        of_loading = _of_loading(joint, last)
         print(f"- constants for other programs, and tables for GEOS, are of {of_loading}")
     of_laws = partial(barton_bandis_commands, laws=laws)
     exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
