@@ -105,7 +105,7 @@ def test_stiffness_at_named_stresses_is_that_of_the_curves(scans, tmp_path, comm
     assert "stresses that were named" in (tmp_path / "j/report.html").read_text()
 
 
-@pytest.mark.parametrize("stresses", ["2.5", "1,0", "-1", "nan"])
+@pytest.mark.parametrize("stresses", ["2.5", "1,0", "-1", "nan", "0.3"])
 @pytest.mark.parametrize("name", ["close", "simulate"])
 def test_a_stress_that_no_loading_reaches_is_refused_before_any_computing(
     scans, name, stresses, command, monkeypatch
@@ -117,7 +117,20 @@ def test_a_stress_that_no_loading_reaches_is_refused_before_any_computing(
     words = [*own, "--stress", 2, "--rock", "granite", f"--at={stresses}"]
     code, _, err = command(name, *files, *words)
     assert code == 2
-    assert "MPa: must be above 0 and at most the maximum normal stress, 2 MPa" in err
+    value = stresses.rpartition(",")[2]
+    allowed = "from the seating stress, 0.5 MPa, to the maximum normal stress, 2 MPa"
+    assert f"at (--at): {value} MPa: must be {allowed}" in err
+
+
+@pytest.mark.parametrize(("seating", "allowed"), [(0.3, True), (0, True), (0.4, False)])
+def test_a_named_stress_is_allowed_from_the_stated_seating_stress_on(
+    seating, allowed, command, monkeypatch
+):
+    reached = Mock(side_effect=jc.InputError("simulated"))
+    monkeypatch.setattr("jointclosure.cli.simulate.simulate", reached)
+    words = ["--rock", "slate", "--cells", 8, "--jrc", 8, "--stress", 2, "--at", 0.3]
+    command("simulate", *words, "--seating", seating)
+    assert reached.called == allowed
 
 
 def test_an_interrupt_within_a_kernel_is_one(scans, command, monkeypatch):
@@ -199,7 +212,7 @@ def test_curves_lie_between_the_ends_of_their_range(ranged):
 
 
 def test_an_end_of_the_range_has_input_of_porepy_where_vm_is_determined(ranged):
-    assert {"porepy_high.json"} <= set(contents(ranged[0]))
+    assert {"porepy_closes_more.json"} <= set(contents(ranged[0]))
 
 
 def test_a_report_of_a_joint_with_a_range_is_written(ranged, command):
@@ -343,3 +356,13 @@ def test_contacts_that_overlap_by_more_than_the_void_are_warned_of(joint):
     text, record = summary(closed, joint.laws, stress_table(closed))
     assert text.count("contacts are pressed into each other by 0.") == closed.load_cycle.max()
     assert len(cautions(record["remarks"])) == closed.load_cycle.max()
+
+
+def test_an_aperture_that_is_zero_within_rounding_is_shown_as_none(joint):
+    shut = joint.history.copy()
+    shut["mean_aperture"] = 1e-21 + 0.0 * shut.mean_aperture
+    text, record = summary(shut, joint.laws, stress_table(shut), at=[1e6])
+    assert "mm on average over all cells, and no aperture is left: the model of" in text
+    assert record["table"]["cycle 1"][QUANTITIES["mean_aperture_at_max_mm"]] == "0"
+    assert record["at"][0]["mean aperture (mm)"] == "0"
+    assert "e-18" not in text

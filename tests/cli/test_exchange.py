@@ -13,11 +13,13 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.cli import exports
 from jointclosure.cli import main as cli
-from jointclosure.cli.results import _flow_remarks
+from jointclosure.cli.results import _flow_remarks, summary
+from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import flow
 from jointclosure.joint.curves import table_levels
+from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
-from jointclosure.joint.laws import fitted_laws, laws_of_joint, parameter
+from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, parameter
 from jointclosure.joint.tables import (
     TRANSMISSIVITIES,
     WATER,
@@ -28,7 +30,7 @@ from jointclosure.joint.tables import (
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.folders import write
 from jointclosure.storage.netcdf import read_netcdf
-from tests.joints import SPACING, closed, on_softer_half_spaces
+from tests.joints import COARSE, SPACING, closed, on_softer_half_spaces
 
 UNKNOWN = ["at_least", "not_solved"]
 """Statuses of a flow of which only bounds are known."""
@@ -172,6 +174,61 @@ def test_a_blocked_flow_gives_geos_a_bound_under_its_name_alone(history):
     assert 'voxelFile="geos_aperture_bound.csv"' in files["geos.xml"]
 
 
+@pytest.fixture(scope="module")
+def shut_at_the_maximum(history):
+    """A history whose flow is blocked along x at the maximum of cycle 1, and flows elsewhere."""
+    top = int(history_of(history).branch(1, "unloading").steps[0])
+    flowing = with_flow(history, statuses={top: "blocked"})
+    for name in ("hydraulic_aperture", "smallest_hydraulic"):
+        flowing[name][top, 0] = 0.0
+    return flowing
+
+
+def test_a_stress_beside_a_blocked_step_has_no_aperture(shut_at_the_maximum):
+    table = stress_table(shut_at_the_maximum)
+    shut = table.flow_status == "blocked"
+    known = ["hydraulic_aperture_mm", "transmissivity_m2_per_s", "smallest_hydraulic_mm"]
+    assert (table.loc[shut, PLACE] < 5.0).any()  # between the steps, not at the blocked one alone
+    assert (table.loc[shut, known] == 0.0).all(axis=None)
+    assert (table.loc[shut, "largest_hydraulic_mm"] > 0.0).all()
+    flows = table[table.flow_status == "flows"]
+    assert (flows[known] > 0.0).all(axis=None)
+
+
+def test_stresses_without_an_aperture_are_named_on_the_screen(history, shut_at_the_maximum):
+    laws = LAWS._replace(by_cycle={})
+    table = stress_table(shut_at_the_maximum)
+    loading = table[(table.cycle == 1) & (table.branch == "loading")]
+    first = loading[PLACE][loading.flow_status == "blocked"].min()
+    _, record = summary(shut_at_the_maximum, laws, table)
+    (named,) = (line for line in record["remarks"] if "these stresses of answer.csv" in line)
+    assert "the hydraulic aperture is 0, as the flow is blocked" in named
+    stresses = named.partition("cycle 1, loading: ")[2].partition(";")[0]
+    assert float(re.findall(r"[\d.]+", stresses)[0]) == first
+    assert stresses.endswith("5")
+    assert "cycle 2" not in named
+    _, record = summary(with_flow(history), laws, stress_table(with_flow(history)))
+    assert not any("these stresses of answer.csv" in line for line in record["remarks"])
+    top = int(history_of(history).branch(2, "unloading").steps[0])
+    bounded = with_flow(history, statuses={top: "at_least"})
+    _, record = summary(bounded, laws, stress_table(bounded))
+    (named,) = (line for line in record["remarks"] if "these stresses of answer.csv" in line)
+    assert named.startswith("only bounds of the hydraulic aperture are known at these")
+    assert "cycle 2, loading: " in named
+
+
+def test_a_blocked_flow_has_no_point_on_a_logarithmic_axis(shut_at_the_maximum):
+    first = shut_at_the_maximum.load_cycle == 1
+    joint = shut_at_the_maximum.sel(step=first).sel(cycle=[1])
+    _, _, aperture, axes = engineering_figure(joint, "a joint").axes
+    assert axes.get_yscale() == "log"
+    assert axes.get_xlim() == aperture.get_xlim()
+    lines = [line for line in axes.lines if line.get_label().startswith("cycle 1")]
+    drawn = np.concatenate([line.get_ydata() for line in lines])
+    assert np.isnan(drawn).any()
+    assert not (drawn == 0.0).any()
+
+
 def test_apertures_for_geos_never_open_as_the_joint_closes(history):
     """Breakage may free a path: what GEOS reads is the smallest aperture up to that stress."""
     flow = with_flow(history)
@@ -211,12 +268,96 @@ def test_the_ends_of_a_band_have_itasca_tables_of_their_own(history, band, endin
     np.testing.assert_allclose(values, BAND[ending] * known, rtol=1e-6)
 
 
-@pytest.mark.parametrize("ending", BAND)
-def test_the_ends_of_a_band_have_porepy_files_of_their_own(history, band, ending):
-    solid = exports.porepy_files(history, band)[f"porepy{ending.replace('-', '_')}.json"]
-    for name, value in porepy(history).items():
-        power = -1.0 if name == "fracture_normal_stiffness" else 1.0
-        assert solid[name] == pytest.approx(BAND[ending] ** power * value, rel=1e-3)
+CLOSES = {"": 1.0, "_closes_less": LOW, "_closes_more": HIGH}
+"""Factors of the closure by endings of the constants that are fitted to it."""
+
+
+@pytest.mark.parametrize("ending", CLOSES)
+def test_joints_that_close_less_or_more_have_porepy_files_of_their_own(history, band, ending):
+    files = exports.porepy_files(history, band)
+    assert set(files) == {f"porepy{end}.json" for end in CLOSES}
+    stiffness, opening, residual = files[f"porepy{ending}.json"].values()
+    stiff, opens, stays = porepy(history).values()
+    assert stiffness == pytest.approx(stiff / CLOSES[ending], rel=1e-3)
+    assert opening == pytest.approx(CLOSES[ending] * opens, rel=1e-3)
+    # all begin at the aperture of the joint at seating
+    assert residual == pytest.approx(stays + opens - opening, rel=1e-6)
+
+
+def test_the_residual_aperture_of_the_joint_lies_between_those_of_its_band(history, band):
+    files = exports.porepy_files(history, band).values()
+    joint, less, more = (solid["residual_aperture"] for solid in files)
+    assert more < joint < less
+
+
+def test_fish_names_joints_that_close_less_or_more(history, band):
+    values, _ = fish_constants(history, band)
+    for ending, factor in CLOSES.items():
+        assert values[f"bb_vm{ending}"] == pytest.approx(factor * values["bb_vm"], rel=1e-3)
+    text = exports.barton_bandis_commands(history, band, LAWS)["barton_bandis.dat"]
+    (line,) = re.findall(r"^\[global bb_kni_closes_less = .*$", text, re.M)
+    assert line.endswith("a joint that closes less, an end of the band of closure")
+    assert not re.search("_low|_high", text)
+
+
+def test_constants_say_from_which_stress_their_hyperbola_is_fitted(history):
+    text = exports.barton_bandis_commands(history, stress_table(history), LAWS)
+    about = "kni (Pa/m) of the hyperbola fitted from 0.5 MPa to cycle 2"
+    assert about in text["barton_bandis.dat"]
+    table = summary(history, LAWS, stress_table(history))[1]["table"]["cycle 2"]
+    labels = "kni of the hyperbola fitted from 0.5 MPa (MPa/mm)", "Vm of the hyperbola fitted from"
+    for label in labels:
+        assert any(name.startswith(label) for name in table)
+
+
+@pytest.fixture(scope="module")
+def first_cycle(history):
+    """The joint as it is after its first cycle."""
+    return history.sel(step=history.load_cycle == 1).sel(cycle=[1])
+
+
+def test_every_input_of_another_program_names_its_cycle_and_the_first_one(
+    history, first_cycle, capsys
+):
+    first, second = net_responses(history)["stiffness_net"]
+    title = f"cycle 2, the last loading from seating, which is {second / first:.3g} times as stiff"
+    laws = LAWS._replace(by_cycle={})
+    files = exports.export_files(history, "a joint", stress_table(history), laws)
+    printed = capsys.readouterr().out
+    for text in (printed, files["barton_bandis.dat"]):
+        assert f"of {title} as cycle 1 (chords of kn); --cycles 1 gives the first loading" in text
+    for name in ("geos.xml", "geos_barton_bandis.xml"):
+        assert f"of the loading of {title} as cycle 1" in files[name]
+        ElementTree.fromstring(files[name])  # whose comments have no two hyphens
+    files = exports.export_files(first_cycle, "a joint", stress_table(first_cycle), laws)
+    for text in (capsys.readouterr().out, files["barton_bandis.dat"], files["geos.xml"]):
+        assert "of cycle 1, the first loading" in text
+        assert "cycles 1" not in text
+
+
+@pytest.mark.parametrize(
+    ("share", "title"),
+    [(None, "mean aperture"), (1.0, "hydraulic aperture"),
+     (0.0, "UPPER BOUND of the hydraulic aperture")],
+)  # fmt: skip
+def test_the_function_of_geos_says_which_aperture_it_has(history, share, title, capsys):
+    joint = history if share is None else with_flow(history, share)
+    text = exports.geos_files(joint, stress_table(joint))["geos.xml"]
+    assert f"Gap and {title} in m," in text
+    warned = "geos.xml: its table, geos_aperture_bound.csv, is the upper bound of the hydraulic"
+    assert (warned in capsys.readouterr().out) == (share == 0.0)
+
+
+@pytest.mark.parametrize("status", ["flows", "not_solved"])
+def test_the_aperture_of_porepy_is_compared_with_that_of_the_flow(history, capsys, status):
+    """Here the hydraulic aperture is twice the mean one, the geometric mean of 1 and 4."""
+    porepy(history)
+    assert capsys.readouterr().out == ""
+    top = int(history_of(history).branch(2, "unloading").steps[0])
+    porepy(with_flow(history, statuses={top: status} if status != "flows" else None))
+    known = "2 times it" if status == "flows" else "not known"
+    about = "residual_aperture is of the mean aperture; the hydraulic aperture is"
+    assert f"- PorePy: {about} {known} at 5 MPa" in capsys.readouterr().out
 
 
 def test_the_ends_of_a_band_have_geos_tables_of_their_own(history, band):
@@ -298,6 +439,41 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     assert residual + opening - closes == pytest.approx(aperture, rel=0.01)
     fitted = 1e9 * parameter(fitted_laws(history), 2, "loading", "kni_MPa_per_mm")
     assert stiffness == pytest.approx(fitted, rel=0.02)  # at fewer stresses
+
+
+@pytest.fixture(scope="module")
+def from_zero():
+    """A joint without a seating stress, whose table begins above zero stress."""
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=1)
+    return closed(walls, seating_stress=0.0, numerics=COARSE, cycles=1)
+
+
+def test_without_a_seating_stress_constants_of_programs_agree_with_those_on_the_screen(from_zero):
+    stiffness, opening, residual = porepy(from_zero).values()
+    fits = fitted_laws(from_zero)
+    fitted = 1e9 * parameter(fits, 1, "loading", "kni_MPa_per_mm")
+    assert stiffness == pytest.approx(fitted, rel=0.1)  # at fewer stresses
+    assert opening == pytest.approx(1e-3 * parameter(fits, 1, "loading", "vm_mm"), rel=0.05)
+    at_first_touch = float(from_zero.mean_aperture[0])
+    assert residual == pytest.approx(at_first_touch - opening, rel=1e-6)
+
+
+def test_a_loading_that_closes_beyond_its_hyperbola_is_warned_of(from_zero):
+    """It closes at once, and then in proportion to the stress."""
+    laws = LAWS._replace(by_cycle={})
+    stress = 1e-6 * from_zero.normal_stress
+    closure = 1e-3 * (0.1 * (1.0 - np.exp(-20.0 * stress)) + 0.02 * stress)
+    bent = from_zero.assign(closure=closure, bulk_indentation=0.0 * closure)
+    largest = law_curves(bent)[1, "loading"][1].max()
+    fitted = fitted_laws(bent, ["hyperbolic"], ["loading"]).iloc[1]
+    assert fitted.value < largest
+    text, record = summary(bent, laws, stress_table(bent))
+    warned = [line for line in cautions(record["remarks"]) if "a hyperbola does not" in line]
+    assert len(warned) == 1
+    assert "describe the loading of cycle 1: " in warned[0]
+    assert f"misses the closures by {1e3 * fitted.rms_mm:.2g} um rms" in warned[0]
+    assert warned[0] in text
+    assert "a hyperbola does not" not in summary(from_zero, laws, stress_table(from_zero))[0]
 
 
 LAWS = laws_of_joint(9.0, 165e6, 0.5e6, 2, 1.0)

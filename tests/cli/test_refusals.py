@@ -39,6 +39,14 @@ def nothing_is_computed(monkeypatch, inputs):
             "must be at least the grid spacing",
         ),
         (["simulate"], "(such as --rock granite): --youngs-modulus, --poisson-ratio"),
+        (
+            ["simulate", *GRANITE, "--jrc", 8, "--stress", 0],
+            "(--stress) = 0 MPa: must be positive and finite",
+        ),
+        (
+            ["simulate", *GRANITE, "--jrc", 8, "--stress", "5,6"],
+            "(--stress) = [5, 6] MPa: maxima and minima",
+        ),
         (["simulate", "--rock", "slate", "--tolerance", 0.01], "--tolerance: has no effect on"),
         (["simulate", "--rock", "slate", "--output", "joint.txt"], "joint.txt: must end in .nc"),
         (["simulate", "--rock", "slate", "--snapshots", 1], "--snapshots: needs --output FILE.nc"),

@@ -142,8 +142,8 @@ REFUSED = [
             (5e12, "is 5e+06 Pa meant?"),
             ([5e6, 0.0, 8], "max_normal_stress = 8 Pa: not usual"),
             ([], "needs a maximum"),
-            ([5e6, 6e6], "minimum 6e+06 must be"),
-            ([5e6, -1e6], "minimum -1e+06 must be"),
+            ([5e6, 6e6], "minimum 6 MPa must be"),
+            ([5e6, -1e6], "minimum -1 MPa must be"),
             ([0.0, 0.0], "must be positive and finite"),
             (True, "must be a number"),
         )

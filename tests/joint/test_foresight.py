@@ -64,7 +64,8 @@ def test_a_stress_that_all_bases_together_do_not_carry_is_refused_by_what_they_d
     weak = {"rock": joints.DOLERITE._replace(compressive_strength=3e6), "breakage": "resolved"}
     with pytest.raises(jc.InputError, match="strength_bound = 'base'") as said:
         closed(**weak, tolerance=1e-3)
-    most = float(str(said.value).split("less than ")[1].split(" Pa")[0])
+    assert str(said.value).startswith("max_normal_stress (--stress) = 3 MPa: must be less than ")
+    most = 1e6 * float(str(said.value).split("less than ")[1].split(" MPa")[0])
     base = 0.5**2 * np.pi * 2.0 / 3.0 * 3e6 / strength_factor(joints.DOLERITE.poisson_ratio)
     assert most == pytest.approx(base, rel=0.01)
 
@@ -126,7 +127,7 @@ def test_the_strength_of_all_bases_has_the_band_in_which_contacts_rest(tolerance
     weak = {"rock": joints.DOLERITE._replace(compressive_strength=3e6), "breakage": "resolved"}
     with pytest.raises(jc.InputError, match="strength_bound = 'base'") as said:
         closed(**weak, tolerance=tolerance)
-    most = float(str(said.value).split("less than ")[1].split(" Pa")[0])
+    most = 1e6 * float(str(said.value).split("less than ")[1].split(" MPa")[0])
     base = 0.5**2 * np.pi * 2.0 / 3.0 * 3e6 / strength_factor(joints.DOLERITE.poisson_ratio)
     assert most == pytest.approx(base * (1.0 + 0.5 * BAND * tolerance) ** 1.5, rel=0.003)
 

@@ -12,6 +12,7 @@ from jointclosure.cli.results import FIGURES, failed
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError
 from jointclosure.joint.curves import table_levels
+from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws
 from jointclosure.joint.status import LOADING
@@ -24,11 +25,12 @@ a slope of nearly 1, because each wall keeps its volume."""
 _END = 0.01
 """Share of the last interval that has this slope."""
 _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
-     Gap and aperture in m, of the last loading in answer.csv beside this file. -->
+     Gap and {aperture} in m,
+     of the loading of {loading}. -->
 <TableFunction
   name="joint_aperture"
-  coordinateFiles="{ geos_gap.csv }"
-  voxelFile="geos_aperture.csv"
+  coordinateFiles="{{ geos_gap.csv }}"
+  voxelFile="{file}"
   interpolation="linear"/>
 """
 _NET = (
@@ -65,6 +67,9 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
+    if last := _last_from_seating(joint, curves):
+        of_loading = _of_loading(joint, last)
+        print(f"- constants for other programs, and tables for GEOS, are of {of_loading}")
     of_laws = partial(barton_bandis_commands, laws=laws)
     exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
     for export in exports:
@@ -75,29 +80,55 @@ def export_files(
     return files | {"engineering.png": engineering_figure(joint, title, curves, laws.by_cycle)}
 
 
+def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of loadings whose closure is known, without further named stresses."""
+    usual = curves.normal_stress_MPa.isin(table_levels(joint) / 1e6)
+    loading = curves[usual & (curves.branch == LOADING)]
+    return loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
+
+
+def _last_from_seating(joint: xr.Dataset, curves: pd.DataFrame) -> int | None:
+    """Return the cycle of the last loading that begins at or below the seating stress, if any."""
+    history = history_of(joint)
+    known = _known_loadings(joint, curves).cycle.unique()
+    from_seating = [
+        cycle.number
+        for cycle in history.cycles
+        if cycle.loading.exists
+        and history.stress[cycle.loading.steps].min() <= history.seating_stress
+        and cycle.number in known
+    ]
+    return from_seating[-1] if from_seating else None
+
+
+def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> str:
+    """Describe the loading of input of other programs, and how to get the first one instead."""
+    if cycle == 1:
+        return "cycle 1, the first loading"
+    about = f"cycle {cycle}, the last loading from seating"
+    stiffness = net_responses(joint)["stiffness_net"]
+    ratio = stiffness[cycle - 1] / stiffness[0]
+    if np.isfinite(ratio):
+        about += f", which is {ratio:.3g} times as stiff as cycle 1 (chords of kn)"
+    if np.ndim(joint.attrs["max_normal_stress_Pa"]):  # a history, whose cycles are its maxima
+        option = f"its first maximum as the only stress, with {option},"
+    return f"{about}; {option} gives the first loading"
+
+
 def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
     """Return the rows of the last loading that begins at seating, by endings of files.
 
     The ending "" is that of the joint, "_low" and "_high" are those of the ends of a band. Raise
     `InputError`, which names the ``program``, if there is no such loading.
     """
-    usual = curves.normal_stress_MPa.isin(table_levels(joint) / 1e6)  # no further named ones
-    loading = curves[usual & (curves.branch == LOADING)]
-    known = loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
-    history = history_of(joint)
-    from_seating = [
-        cycle.number
-        for cycle in history.cycles
-        if cycle.loading.exists
-        and history.stress[cycle.loading.steps].min() <= history.seating_stress
-        and cycle.number in known.cycle.unique()
-    ]
-    if not from_seating:
+    cycle = _last_from_seating(joint, curves)
+    if cycle is None:
         raise InputError(
             f"{program}: no loading begins at or below the seating stress, "
-            f"{history.seating_stress:g} Pa"
+            f"{history_of(joint).seating_stress:g} Pa"
         )
-    rows = known[known.cycle == from_seating[-1]]
+    known = _known_loadings(joint, curves)
+    rows = known[known.cycle == cycle]
     last = {}
     shown = [name for name in CURVES if name in rows]
     for number, _ in enumerate(members(curves, shown[0])):
@@ -106,6 +137,16 @@ def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str,
         about = rows[["cycle", "normal_stress_MPa"]]
         last[ending] = pd.DataFrame(of_end | dict(about))
     return last
+
+
+_CLOSES = {
+    "": ("", "the joint"),
+    "_low": ("_closes_less", "a joint that closes less"),
+    "_high": ("_closes_more", "a joint that closes more"),
+}
+"""Endings of constants and their joints, by endings of the band of closure to which they are
+fitted. The constants themselves are not the ends of ranges: one that closes less may have a larger
+or a smaller kni."""
 
 
 class Hyperbola(NamedTuple):
@@ -118,10 +159,10 @@ class Hyperbola(NamedTuple):
 
 
 def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, Hyperbola]:
-    """Return the hyperbolas of the last loading by endings as in `_loading`; print what has none.
+    """Return the hyperbolas of the last loading by endings of `_CLOSES`; print what has none.
 
-    They are net, because programs deform the rock themselves, and count from the seating stress.
-    Raise `InputError` if the joint itself has none.
+    They are net, because programs deform the rock themselves, and count from the seating stress,
+    at which all have the aperture of the joint. Raise `InputError` if the joint itself has none.
     """
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
@@ -134,13 +175,15 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             f"{program}: the loading of cycle {cycle} goes beyond its former maximum, "
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
+    aperture = 1e3 * history.seat(cycle, LOADING, "mean_aperture")
     found = {}
-    for ending, rows in loadings.items():
+    for of_band, rows in loadings.items():
+        ending, which = _CLOSES[of_band]
         stress = rows.normal_stress_MPa
         closure = rows.closure_net_since_seating_mm.to_numpy()
-        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - closure[0], seating)
+        start = closure[0] if seating > 0.0 else 0.0  # else the first stress is above seating
+        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - start, seating)
         stiffness, largest = fitted
-        aperture = float(rows.mean_aperture_mm.iloc[0])
         if not np.isfinite(largest):
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
@@ -148,8 +191,7 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             )
             if not ending:
                 raise InputError(f"{program}: {reason}")
-            end = ending.removeprefix("_")
-            print(f"- {program}: the {end} end of the band is not written: {reason}")
+            print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
             continue
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
             raise InputError(
@@ -161,14 +203,27 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
 
 
 def porepy_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Return PorePy's Barton-Bandis constants [Pa/m, m, m]."""
+    """Return PorePy's Barton-Bandis constants [Pa/m, m, m].
+
+    With a flow, print the ratio of the hydraulic to the mean aperture, of which the constants are.
+    """
+    hyperbolas = _hyperbolas(joint, curves, "PorePy")
+    if history_of(joint).has_flow:
+        top = _loading(joint, curves, "PorePy")[""].iloc[-1]
+        ratio = top.hydraulic_aperture_mm / top.mean_aperture_mm
+        text = f"{ratio:.2g} times it" if np.isfinite(ratio) else "not known"
+        text = "0 (blocked)" if ratio == 0.0 else text
+        print(
+            "- PorePy: residual_aperture is of the mean aperture; the hydraulic aperture is "
+            f"{text} at {top.normal_stress_MPa:g} MPa"
+        )
     return {
         f"porepy{ending}.json": {
             "fracture_normal_stiffness": law.stiffness,
             "maximum_elastic_fracture_opening": law.largest_closure,
             "residual_aperture": max(law.aperture - law.largest_closure, 0.0),
         }
-        for ending, law in _hyperbolas(joint, curves, "PorePy").items()
+        for ending, law in hyperbolas.items()
     }
 
 
@@ -185,9 +240,11 @@ def barton_bandis_commands(
 ) -> dict[str, str]:
     """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
 
-    Those fitted to the last loading count from seating, with the ends of the band. Those of the
-    empirical law, of JRC and JCS at both lengths, count from zero stress.
+    Those fitted to the last loading count from seating, with those of joints at the ends of the
+    band of closure. Those of the empirical law, of JRC and JCS at both lengths, count from zero
+    stress.
     """
+    seating = float(joint.attrs["seating_stress_Pa"])
     values: dict[str, tuple[float, str]] = {}
     if laws.by_cycle:
         jrc, wall_strength = laws.scaled
@@ -215,21 +272,28 @@ def barton_bandis_commands(
             raise
         fitted = {}
         function = f"; no constants of the simulated joint: {error}\n"
+    joints = dict(_CLOSES.values())
     for ending, known in fitted.items():
-        end = {"": "", "_low": ", low end of the band", "_high": ", high end of the band"}[ending]
-        where = f"fitted to the simulated loading of cycle {known.cycle}, from seating{end}"
+        end = f": {joints[ending]}, an end of the band of closure" if ending else ""
+        where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {known.cycle}{end}"
         values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
     if fitted:
-        seating = float(joint.attrs["seating_stress_Pa"])
         values["bb_seating"] = seating, "seating stress (Pa)"
     lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
-    head = "; Barton-Bandis constants in SI, net of the deformation of the rock"
-    return {"barton_bandis.dat": "\n".join([head, *lines]) + "\n" + function}
+    head = ["; Barton-Bandis constants in SI, net of the deformation of the rock"]
+    if fitted:
+        cycle = fitted[""].cycle
+        head.append(f"; bb_kni and bb_vm are of {_of_loading(joint, cycle)}")
+    return {"barton_bandis.dat": "\n".join([*head, *lines]) + "\n" + function}
 
 
 def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Return gaps and apertures [m], hydraulic or mean, of the last loading as GEOS reads them."""
+    """Return gaps and apertures [m], hydraulic or mean, of the last loading as GEOS reads them.
+
+    The function of GEOS names one of the tables; what is not written is printed, and a table of the
+    upper bound.
+    """
     if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
     parts = _loading(joint, curves, "GEOS")
@@ -237,10 +301,12 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
         raise InputError(f"GEOS: the loading of cycle {parts[''].cycle.iloc[0]} {must}")
+    cycle = int(parts[""].cycle.iloc[0])
     columns = {"": "mean_aperture_mm"}  # by what follows "aperture" in the names of files
     if history_of(joint).has_flow:
         columns = {"": "hydraulic_aperture_mm", "_bound": "largest_hydraulic_mm"}
     apertures: dict[str, np.ndarray] = {}
+    titles: dict[str, str] = {}
     reasons: dict[str, str] = {}
     for (word, column), (ending, rows) in product(columns.items(), parts.items()):
         aperture = 1e-3 * rows[column].to_numpy()
@@ -249,6 +315,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
         if not missing.any():
             # falls with stress, so that no aperture exceeds those before
             apertures[name] = np.minimum.accumulate(aperture)
+            titles[name] = CURVES[column][0].removesuffix(" (mm)") + _OF_BAND[ending]
             continue
         first = rows.normal_stress_MPa.iloc[int(np.argmax(missing))]
         reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
@@ -264,10 +331,16 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     gap, tables = _with_opening(closure, np.stack(list(apertures.values())))
     written = {"geos_gap.csv": gap} | dict(zip(apertures, tables, strict=True))
     lines = {name: [f"{value:.9e}\n" for value in values] for name, values in written.items()}
-    form = _GEOS.replace("geos_aperture.csv", next(iter(apertures)))
+    named = next(iter(apertures))
+    if named != "geos_aperture.csv":
+        print(f"- geos.xml: its table, {named}, is the {titles[named]}, not the aperture itself")
+    title = titles[named].replace("upper bound", "UPPER BOUND")
+    of_loading = _of_loading(joint, cycle, "option cycles 1")  # no two hyphens in a comment
+    form = _GEOS.format(aperture=title, loading=of_loading, file=named)
     return {name: "".join(lines[name]) for name in lines} | {"geos.xml": form}
 
 
+_OF_BAND = {"": "", "_low": ", low end of its band", "_high": ", high end of its band"}
 _TENTH = 9.0
 """GEOS' BartonBandis has a tenth of the aperture at the reference stress: a0/(1 + 9 s/s_ref)."""
 
@@ -280,8 +353,10 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str
     """
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title = CURVES[column][0].removesuffix(" (mm)")
-    lines = []
-    for ending, rows in _loading(joint, curves, "GEOS").items():
+    parts = _loading(joint, curves, "GEOS")
+    cycle = int(parts[""].cycle.iloc[0])
+    lines = [f"  <!-- of the loading of {_of_loading(joint, cycle, 'option cycles 1')} -->"]
+    for ending, rows in parts.items():
         known = rows[rows[column] > 0.0]
         name = f"joint_aperture{ending}"
         must = f"the {title} must be known, and fall with stress"

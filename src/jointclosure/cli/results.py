@@ -13,7 +13,7 @@ import xarray as xr
 from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
-from jointclosure.joint.laws import JointLaws
+from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
 from jointclosure.joint.status import FAILURE, LOADING, STATUSES
 from jointclosure.joint.tables import (
     HYDRAULIC,
@@ -26,8 +26,8 @@ from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
+from jointclosure.uncertainty.results import APERTURE, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
-from jointclosure.uncertainty.results import VM, results_of, table_of
 
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
@@ -77,9 +77,10 @@ def summary(
     ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
     """
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
+    remarks += _hyperbola_remarks(closed)
     remarks += _overlap_remarks(closed)
     if history_of(closed).has_flow:
-        remarks += _flow_remarks(closed)
+        remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
     table = result_table(closed, laws, curves, budget)
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     head = (
@@ -92,22 +93,42 @@ def summary(
             "properties."
         )
     lines = [head, table.to_string()]
-    if budget is not None:
-        lines += budget.tables()[1:]
+    choices = list(budget.choices) if budget is not None else []
+    wider = pd.DataFrame()
+    if budget is not None and choices:
+        wider = budget.wider_table().rename(index=_of_hyperbola(closed))
+        lines += [budget.wider_title(), wider.to_string()]
     named = named_table(curves, at)
     if len(named):
         lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
     lines += [f"- {remark}" for remark in remarks]
-    choices = list(budget.choices) if budget is not None else []
-    wider = budget.wider_table().to_dict() if budget is not None and choices else {}
     answer = {
         "table": table.to_dict(),
-        "with_other_choices": wider,
+        "with_other_choices": wider.to_dict(),
         "choices": choices,
         "at": named.to_dict("records"),
         "remarks": remarks,
     }
     return "\n".join(lines), answer
+
+
+def _hyperbola_remarks(closed: xr.Dataset) -> list[str]:
+    """Return cautions about loadings that close further than their fitted hyperbola can."""
+    closures = law_curves(closed)
+    laws = fitted_laws(closed, ["hyperbolic"], [LOADING])
+    remarks: list[str] = []
+    for row in laws[laws.parameter == "vm_mm"].itertuples():
+        largest = closures[row.cycle, LOADING][1].max()
+        if row.value < largest:
+            remarks.append(
+                caution(
+                    f"a hyperbola does not describe the loading of cycle {row.cycle}: the fitted "
+                    f"Vm of {row.value:.3g} mm is below the largest closure of {largest:.3g} mm, "
+                    f"and the hyperbola misses the closures by {1e3 * row.rms_mm:.2g} um rms; "
+                    "the curve is to be used in place of kni and Vm"
+                )
+            )
+    return remarks
 
 
 def _overlap_remarks(closed: xr.Dataset) -> list[str]:
@@ -120,11 +141,14 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
         overlap = 1e3 * float(at_maximum.mean_overlap)
         aperture = 1e3 * float(at_maximum.mean_aperture)
         if overlap > aperture:
+            left = f"more than the mean aperture of {aperture:.2g} mm that is left"
+            if aperture <= ROUNDING:
+                left = "and no aperture is left"
             pressed = (
                 f"at the maximum of cycle {cycle.number} contacts are pressed into each other by "
-                f"{overlap:.2g} mm on average over all cells, more than the mean aperture of "
-                f"{aperture:.2g} mm that is left: the model of separate asperities does not hold "
-                "there, and closure and aperture are to be used at lower stresses only"
+                f"{overlap:.2g} mm on average over all cells, {left}: "
+                "the model of separate asperities does not hold there, and closure and aperture "
+                "are to be used at lower stresses only"
             )
             remarks.append(caution(pressed))
     return remarks
@@ -146,6 +170,12 @@ def named_table(curves: pd.DataFrame, at: Sequence[float]) -> pd.DataFrame:
     return shown
 
 
+def _of_hyperbola(closed: xr.Dataset) -> dict[str, str]:
+    """Return headings of kni and Vm by their general ones, with the stress they count from."""
+    where = f"of the hyperbola fitted from {1e-6 * history_of(closed).seating_stress:g} MPa"
+    return {BUDGETED[KNI]: f"kni {where} (MPa/mm)", BUDGETED[VM]: f"Vm {where} (mm)"}
+
+
 def result_table(
     closed: xr.Dataset, laws: JointLaws, curves: pd.DataFrame, budget: Budget | None = None
 ) -> pd.DataFrame:
@@ -156,11 +186,14 @@ def result_table(
         value = float(results.loc[cycle, name])
         if name == VM and np.isnan(value):
             return UNDETERMINED
+        if name == APERTURE and value <= ROUNDING:
+            return "0"
         return NOT_MODELLED if abs(value) <= ROUNDING else number_text(value)
 
     table = budget.table() if budget else table_of(results.index, text)
     for title, values in law_values(closed, laws).items():
         table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
+    table = table.rename(index=_of_hyperbola(closed))
     reached = curves[curves.branch == LOADING].dropna(subset=members(curves, _NAMED[0]))
     highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
     for name in _FLOW if history_of(closed).has_flow else ():
@@ -175,7 +208,10 @@ def result_table(
 def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
     """Return a quantity of `stress_table` as text, each value with its band if that is known."""
     columns = members(curves, name)
-    values = curves[columns].map(lambda value: number_text(value, figures))
+    least = ROUNDING if name.endswith("_mm") else 0.0
+    values = curves[columns].map(
+        lambda value: number_text(0.0 if abs(value) <= least else value, figures)
+    )
     middle, *ends = (values[column] for column in columns)
     return middle + " (" + ends[0] + " to " + ends[1] + ")" if ends else middle
 
@@ -221,6 +257,39 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
             text = reason.format(steps=f"{count} of {steps} steps", **about)
             remarks.append(caution(text) if status in ONLY_BOUNDS else text)
     return remarks
+
+
+def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
+    """Name the stresses of `stress_table` at which the flow is blocked, or known by bounds only."""
+    reached = curves.dropna(subset=_NAMED[0])
+    aperture = reached.hydraulic_aperture_mm
+    cases = {
+        "the hydraulic aperture is 0, as the flow is blocked,": aperture == 0.0,
+        "only bounds of the hydraulic aperture are known": aperture.isna(),
+    }
+    remarks = []
+    for what, here in cases.items():
+        parts = []
+        for (cycle, branch), rows in reached.groupby(["cycle", "branch"], sort=False):
+            chosen = here[rows.index].to_numpy()
+            if chosen.any():
+                stresses = _intervals(rows.normal_stress_MPa.to_numpy(), chosen)
+                parts.append(f"cycle {cycle}, {branch}: {stresses}")
+        if parts:
+            remarks.append(f"{what} at these stresses of answer.csv (MPa): {'; '.join(parts)}")
+    return remarks
+
+
+def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
+    """Name the chosen ones of increasing stresses, those of three or more in a row by both ends."""
+    parts = []
+    changes = np.flatnonzero(np.diff(chosen)) + 1
+    runs = zip(np.split(stresses, changes), np.split(chosen, changes), strict=True)
+    for run, of_run in runs:
+        texts = [f"{stress:g}" for stress in run]
+        if of_run.any():
+            parts.append(f"{texts[0]} to {texts[-1]}" if len(texts) > 2 else ", ".join(texts))
+    return ", ".join(parts)
 
 
 def failed(closed: xr.Dataset) -> bool:

@@ -53,25 +53,27 @@ def load_cycles(
         raise InputError("max_normal_stress = []: a load history needs a maximum")
     for turn in given:
         check_number("max_normal_stress", turn)
-    shown = f"[{', '.join(map(str, given))}] Pa" if history else f"{max_normal_stress!r} Pa"
+    in_mpa = ", ".join(f"{1e-6 * turn:g}" for turn in given)
+    shown = f"(--stress) = {f'[{in_mpa}]' if history else in_mpa} MPa"
     stresses = [*map(float, given), *([0.0] if len(given) % 2 else [])]
     maxima = stresses[::2]
     minima = stresses[1::2]
     for number, (maximum, minimum) in enumerate(zip(maxima, minima, strict=True)):
         if not 0.0 < maximum < math.inf:
-            raise InputError(f"max_normal_stress = {shown}: must be positive and finite")
+            raise InputError(f"max_normal_stress {shown}: must be positive and finite")
         lowest = min(maxima[number : number + 2])
         if not 0.0 <= minimum < lowest:
             raise InputError(
-                f"max_normal_stress = {shown}: maxima and minima alternate, and the minimum "
-                f"{minimum:g} must be at least 0 and below the maxima beside it ({lowest:g})"
+                f"max_normal_stress {shown}: maxima and minima alternate, and the minimum "
+                f"{1e-6 * minimum:g} MPa must be at least 0 and below the maxima beside it "
+                f"({1e-6 * lowest:g} MPa)"
             )
     if not history:
         return (LoadCycle(maxima[0]),) * (USUAL_CYCLES if cycles is None else int(cycles))
     if cycles is not None and cycles != len(maxima):
         raise InputError(
             f"cycles = {cycles!r}: must be {len(maxima)}, the number of cycles of the load "
-            f"history {shown}, or left out"
+            f"history [{in_mpa}] MPa, or left out"
         )
     return tuple(map(LoadCycle, maxima, minima))
 
@@ -237,14 +239,20 @@ class Conditions(NamedTuple):
         return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
 
 
-def check_named_stresses(stresses: Sequence[float], largest: float) -> None:
-    """Raise `InputError` unless stresses [Pa] are above 0 and at most the largest maximum [Pa]."""
+def check_named_stresses(stresses: Sequence[float], checked: Conditions) -> None:
+    """Raise `InputError` unless stresses [Pa] are above 0, and from seating to the largest maximum.
+
+    Closures count from the seating stress, which ``checked`` conditions have.
+    """
+    largest = checked.largest_stress
+    seating = float(cast(float, checked.seating_stress))
+    least = f"from the seating stress, {1e-6 * seating:g} MPa," if seating else "above 0 MPa, up"
     for stress in stresses:
         check_number("at", stress)
-        if not 0.0 < stress <= largest:
+        if not (stress > 0.0 and seating <= stress <= largest):
             raise InputError(
-                f"at: {1e-6 * stress:g} MPa: must be above 0 and at most the maximum normal "
-                f"stress, {1e-6 * largest:g} MPa"
+                f"at (--at): {1e-6 * stress:g} MPa: must be {least} to the maximum normal stress, "
+                f"{1e-6 * largest:g} MPa"
             )
 
 

@@ -204,8 +204,9 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
     crushed = strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING
     if crushed and joint.choices.strength_bound == "base":
         raise InputError(
-            f"max_normal_stress = {max_normal_stress:g} Pa: must be less than {strength:.3g} Pa, "
-            "which all cells together carry with strength_bound = 'base' (or 'none')"
+            f"max_normal_stress (--stress) = {1e-6 * max_normal_stress:g} MPa: must be less than "
+            f"{1e-6 * strength:.3g} MPa, which all cells together carry with strength_bound = "
+            "'base' (or 'none')"
         )
     if crushed and radius:
         least = radius * math.sqrt(max_normal_stress / strength)

@@ -126,7 +126,8 @@ def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
 def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
     """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
 
-    By default the stresses are those of `table_levels`.
+    By default the stresses are those of `table_levels`. The hydraulic aperture is 0 where the flow
+    is blocked at the step before or after.
     """
     history = history_of(joint)
     levels = table_levels(joint) if levels is None else levels
@@ -139,10 +140,14 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
     columns["mean_aperture_mm"] = 1e3 * closures_at(joint, levels, "mean_aperture")
     if history.has_flow:
+        statuses = flow_status_at(joint, levels)
         for name in HYDRAULIC:  # geometric means along x and y
             mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
-            columns[f"{name}_mm"] = 1e3 * np.maximum(closures_at(joint, levels, mean), 0.0)
-        columns["flow_status"] = flow_status_at(joint, levels)
+            aperture = 1e3 * np.maximum(closures_at(joint, levels, mean), 0.0)
+            if name != "largest_hydraulic":  # between steps, one of which has no flow
+                aperture[statuses == "blocked"] = 0.0
+            columns[f"{name}_mm"] = aperture
+        columns["flow_status"] = statuses
     index = pd.MultiIndex.from_product(
         [range(1, history.begun + 1), BRANCHES, levels / 1e6],
         names=["cycle", "branch", "normal_stress_MPa"],

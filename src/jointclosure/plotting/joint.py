@@ -173,6 +173,7 @@ def engineering_figure(
     panels[2].set(title="mean aperture", ylim=(0.0, None))
     if has_flow:
         _draw_flow(panels[3], curves)
+        panels[3].set_xlim(panels[2].get_xlim())  # also where nothing flows
     for axes in panels:
         sns.despine(ax=axes)
         axes.legend(frameon=False, fontsize=8)
@@ -209,9 +210,10 @@ def _draw_closure(
 
 
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
-    """Draw transmissivity over stress where it is known; its upper bound dotted."""
+    """Draw transmissivity over stress where it is known and above 0; its upper bound dotted."""
     name = "transmissivity_m2_per_s"
-    _draw_along(axes, curves, name)
+    drawn = [name, *members(curves, name)[2:]]  # a band may end at 0, and a line may not
+    _draw_along(axes, curves.assign(**curves[drawn].where(curves[drawn] > 0.0)), name)
     axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3

@@ -79,9 +79,7 @@ class Budget(NamedTuple):
         """Format the results, and below them the ranges with other choices of the model."""
         lines = [self.table().to_string()]
         if self.choices:
-            about = ", ".join(self.choices)
-            lines += [f"range with other choices of the model ({about})"]
-            lines += [self.wider_table().to_string()]
+            lines += [self.wider_title(), self.wider_table().to_string()]
         return lines
 
     def sentences(self) -> list[str]:
@@ -195,6 +193,10 @@ class Budget(NamedTuple):
             return UNDETERMINED
         first, low, high = _shown(row.best, row.low, row.high)
         return f"{first} ({low} to {high})"
+
+    def wider_title(self) -> str:
+        """Return the title of `wider_table`, which names the choices."""
+        return f"range with other choices of the model ({', '.join(self.choices)})"
 
     def wider_table(self) -> pd.DataFrame:
         """Return the ranges with other choices of the model as text, as in `table`."""

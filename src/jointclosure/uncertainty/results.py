@@ -18,6 +18,7 @@ CONTACT = "contact_at_max"
 STIFFNESS = "stiffness_net_MPa_per_mm"
 KNI = "kni_net_MPa_per_mm"
 VM = "vm_net_mm"
+APERTURE = "mean_aperture_at_max_mm"
 QUANTITIES = {
     column: HEADINGS[column]
     for column in (
@@ -27,7 +28,7 @@ QUANTITIES = {
         STIFFNESS,
         KNI,
         VM,
-        "mean_aperture_at_max_mm",
+        APERTURE,
         CONTACT,
     )
 }

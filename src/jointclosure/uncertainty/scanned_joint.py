@@ -160,8 +160,8 @@ def close(
     report, snapshots
         As for `jointclosure.simulate`.
     at : sequence of float
-        Stresses [Pa] at which stiffness kn, closure and aperture on loading are printed. They are
-        above 0 and at most the maximum.
+        Stresses [Pa] at which stiffness kn, closure and aperture on loading are printed, from the
+        seating stress to the maximum.
     joint_length : float, optional
         Length [m] of the joint in the rock mass to which the JRC and JCS of the law of Barton and
         Bandis are scaled. By default they are not scaled.
@@ -194,7 +194,7 @@ def close(
     number_of_workers(workers)
     stated = conditions_from(conditions, changes, "close")
     checked = stated.checked(snapshots)
-    check_named_stresses(at, checked.largest_stress)
+    check_named_stresses(at, checked)
     check_joint_lengths(joint_length, lab_length)
     pair = registered_walls(
         upper,
