@@ -76,6 +76,17 @@ def test_random_sources_have_no_more_than_the_departures_and_none_of_the_order()
     assert np.isnan(total_indices({"a": 0.0}, {}, 0.0)["a"])  # nothing has a share in no range
 
 
+def test_a_source_that_is_fixed_in_the_random_joints_has_no_part_in_their_departures():
+    """Otherwise a choice of the model had the interactions of others, and a share like theirs."""
+    alone = {"a": 1.0, "b": 1.0, "choice": 1.0}
+    indices = total_indices(alone, {}, 3.0, fixed={"choice"})
+    assert indices == pytest.approx({"a": 4.0 / 6.0, "b": 4.0 / 6.0, "choice": 1.0 / 6.0})
+    one = {ORDER: np.array([-1.0, 1.0])}
+    indices = total_indices({"a": 1.0, "choice": 1.0}, one, 4.0, fixed={"choice"})
+    assert indices == pytest.approx({"a": 4.0 / 6.0, "choice": 1.0 / 6.0, ORDER: 1.0 / 6.0})
+    assert total_indices({"choice": 1.0}, {}, 1.0, fixed={"choice"}) == {"choice": 1.0}
+
+
 def range_of(widths, scatter=0.0, seed=0):
     """The range of log(result/2) = sum of u width + noise, with u uniform in (-1, 1)."""
     sources = {name: Source((0.0, 1.0), "range") for name in widths}
