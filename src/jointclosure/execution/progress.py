@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 _BETWEEN_LINES, _PART = 30.0, 0.1  # time [s], or share of the work, between two lines
-_FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
+FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
 
 
 @contextmanager
@@ -37,8 +37,8 @@ def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
 
         def report(cycle: int, branch: str, share: float) -> None:
             share = min(share, 1.0) if branch == "loading" else 1.0
-            done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
-            show(done / (_FIRST_LOADING + cycles - 1), f"cycle {cycle} of {cycles}, {branch}")
+            done = FIRST_LOADING * share if cycle == 1 else FIRST_LOADING + cycle - 2 + share
+            show(done / (FIRST_LOADING + cycles - 1), f"cycle {cycle} of {cycles}, {branch}")
 
         yield report
 
