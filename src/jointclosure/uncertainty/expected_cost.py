@@ -114,8 +114,11 @@ def seconds_of_joint(
     _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
     seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
     share = upper.size / cells
-    least, most = EXPONENTS
-    return seconds * share**least / SCATTER, SCATTER * seconds * share**most
+    least, most = (
+        factor * seconds * share**power
+        for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
+    )
+    return least, most
 
 
 def relative_cost(effects: Effects, numerics: Numerics) -> float:
