@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import seaborn as sns
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -201,7 +202,7 @@ def engineering_figure(
     panels[2].set(title="mean aperture", ylim=(0.0, None))
     if has_flow:
         _draw_flow(panels[3], curves)
-    named = {}
+    named: dict[str, Artist] = {}
     for axes in panels:
         sns.despine(ax=axes)
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
