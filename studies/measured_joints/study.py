@@ -198,7 +198,7 @@ def _panel(axes: Axes, name: str, rows: Mapping[str, pd.DataFrame]) -> None:
             _joint(axes, row, place + _LANES[lane], _JOINTS[lane])
 
 
-def _joint(axes: Axes, row: Any, place: float, look: Mapping[str, str]) -> None:
+def _joint(axes: Axes, row: Any, place: float, look: Mapping[str, Any]) -> None:
     """Draw the measured range of a joint, and over it the interval of a simulated one."""
     colour = look["color"]
     ends = [row.measured_low, row.measured_high]

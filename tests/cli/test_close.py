@@ -9,10 +9,12 @@ from unittest.mock import Mock
 import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.results import summary
+from jointclosure.cli import report
+from jointclosure.cli.results import summary, with_bands
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import conditions
 from jointclosure.joint.rocks import named_rock
@@ -185,6 +187,12 @@ def test_the_range_of_a_quantity_holds_its_best_value(ranged):
 def test_the_range_of_a_joint_is_printed(ranged):
     _, out, record = ranged
     assert record["range"][0]["text"] in out
+
+
+def test_values_without_a_range_say_why(ranged):
+    _, out, _ = ranged
+    assert "Barton-Bandis values have no range, because JRC and JCS are taken as exact" in out
+    assert "taken as exact, and not varied in the range: Young's modulus" in out
 
 
 def test_each_source_of_the_range_has_its_share(ranged):
@@ -366,3 +374,50 @@ def test_an_aperture_that_is_zero_within_rounding_is_shown_as_none(joint):
     assert record["table"]["cycle 1"][QUANTITIES["mean_aperture_at_max_mm"]] == "0"
     assert record["at"][0]["mean aperture (mm)"] == "0"
     assert "e-18" not in text
+
+
+RECORD = {"joint": "<ClosedJoint: granite, closes 1 mm>", "description": "granite, 9 x 8 cells"}
+
+
+def test_a_report_lists_its_notes_and_calls_a_joint_with_warnings_no_success():
+    warned = RECORD | {"status": "success", "warnings": ["is the file incomplete?", "holes"]}
+    about, first, second, model = report._notes(warned)
+    assert about == "Granite, 9 x 8 cells."
+    assert (first, second) == ("Is the file incomplete?", "Holes.")
+    assert model.startswith("No fluid pressure")
+    assert report._notes(RECORD | {"status": "success", "warnings": []})[1] == "Success."
+    outside = RECORD | {"status": "success: outside_model_range", "warnings": []}
+    assert report._notes(outside)[1] == "Status of the simulation: outside_model_range."
+    failed = RECORD | {"status": "failed: cannot_equilibrate", "warnings": ["holes"]}
+    assert report._notes(failed)[1] == "Failed: cannot_equilibrate."
+
+
+def test_a_report_leads_to_the_files_for_other_programs(tmp_path):
+    (tmp_path / "my joint").mkdir()
+    for name in ("barton_bandis.dat", "porepy.json", "porepy_closes_less.json"):
+        (tmp_path / "my joint" / name).touch()
+    files = dict(report.files_of(tmp_path / "my joint", tmp_path))
+    (constants,) = files["Barton-Bandis constants for UDEC and 3DEC"]
+    assert constants == ("barton_bandis.dat", "my%20joint/barton_bandis.dat")
+    assert [name for name, _ in files["Constants for PorePy"]] == [
+        "porepy.json",
+        "porepy_closes_less.json",
+    ]
+    assert len(files) == 2
+
+
+def test_a_figure_of_a_report_can_be_read_on_a_narrow_screen(ranged, tmp_path, command):
+    """It scrolls in its box, at a width by the pixels of the picture."""
+    folder = shutil.copytree(ranged[0], tmp_path / "j")
+    for picture in folder.glob("*.png"):
+        Image.new("RGB", (1000, 500)).save(picture)
+    assert command("report", folder)[0] == 0
+    page = (folder / "report.html").read_text()
+    assert page.count('width="1000" height="500" style="--readable: 550px"') == page.count("<img")
+    assert "?." not in page
+
+
+def test_a_value_that_is_so_by_definition_has_no_range():
+    curves = pd.DataFrame({"aperture": [0.0, 0.2], "aperture_low": [0.0, 0.1]})
+    curves["aperture_high"] = [0.0, 0.3]
+    assert list(with_bands(curves, "aperture", 2)) == ["0", "0.20 (0.10 to 0.30)"]

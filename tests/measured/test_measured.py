@@ -111,6 +111,19 @@ def test_the_unit_in_a_heading_converts_the_column(heading, number, named):
     np.testing.assert_allclose([curve.stress[0], curve.closure[0]], [1e6, 1e-4])
 
 
+@pytest.mark.parametrize("heading", ["Load (kN)", "Force (kN)", "Normal load (kN)", "load_kN"])
+def test_a_heading_of_forces_is_recognised_without_names_of_columns(heading):
+    text = f"lab of rocks\nTime (s),{heading},closure_mm\n7,2.5,0.1\n"
+    with pytest.raises(InputError, match="is a unit of force; state the loaded area, --area"):
+        curve_of(text, cycle=1)
+    assert curve_of(text, cycle=1, area=2500e-6).stress[0] == pytest.approx(1e6)
+
+
+def test_a_column_of_stresses_is_read_before_one_of_forces():
+    curve = curve_of("load_kN,stress_MPa,closure_mm\n2.5,3,0.1\n", cycle=1)
+    assert curve.stress[0] == pytest.approx(3e6)
+
+
 @pytest.mark.parametrize("heading", ["Normal load (kN)", "load_kN", "F [MN]", "kN load", "F_kN_1"])
 def test_a_force_becomes_a_stress_by_the_loaded_area_alone(heading):
     text, units = f"{heading};closure_mm\n2.5;0.1\n", {"cycle": 1, "names": ["1", "2"]}

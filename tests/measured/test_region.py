@@ -11,7 +11,7 @@ import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.curves import closures_at
 from jointclosure.joint.simulation import close_walls
-from jointclosure.measured.agreement import intervals, quantities
+from jointclosure.measured.agreement import about_share, intervals, quantities
 from jointclosure.measured.calibration import Readings, readings_of_curve
 from jointclosure.measured.closing import CHECKED, FINER, Later
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
@@ -125,6 +125,7 @@ def test_what_a_mechanism_misses_is_stated(region):
     (sentence,) = (line for line in region.sentences() if line.startswith("no mechanism"))
     assert "not compatible" in sentence
     assert "share of the closure of cycle 2 that stays" in sentence
+    assert "farther from the mean of the nearest joints than" in sentence
 
 
 @pytest.fixture(scope="module")
@@ -139,6 +140,28 @@ def test_joints_that_were_closed_are_kept(plain, region):
     closed = [line for line in lines if "closed: " in line]
     assert all(f"of {CHECKED}" in line for line in closed)  # the nearest, by a finer tolerance
     np.testing.assert_array_equal(found.closures, region.closures)
+
+
+def test_each_joint_is_kept_as_soon_as_it_is_simulated(region, asked):
+    """A run that is stopped loses no more than the joints that it was at."""
+    kept = sorted(asked["cache"].glob("wavelength_0_strength_*_surface_*_0.05.nc"))
+    assert len(kept) == STRENGTHS * asked["surfaces"]
+
+
+def test_the_time_of_all_joints_is_estimated_before_they_are_simulated(pair, curves, tmp_path):
+    lines = []
+
+    def stop(line):
+        lines.append(line)
+        if "take about" in line:
+            raise InterruptedError
+
+    about = {"rock": ROCK, "pair": pair, "seating_stress": SEATING, "surfaces": 9, "workers": 1}
+    with pytest.raises(InterruptedError):
+        validate(curves[0], **about, cache=tmp_path, report=stop)
+    assert "all 36 joints take about" in lines[-1]
+    assert "finished joints are kept" in lines[-1]
+    assert not list(tmp_path.glob("*.nc"))
 
 
 def test_no_mechanism_is_compatible_with_a_curve_of_walls_that_stay(plain):
@@ -297,3 +320,8 @@ def test_readings_of_a_cycle_loaded_as_far_as_the_first_are_taken_to_two_percent
         else:
             with pytest.raises(jc.InputError, match="must be the same"):
                 readings_of_curve(curve, 0.5e6)
+
+
+def test_a_negative_share_of_closure_is_explained():
+    assert "the joint opens beyond the start" in about_share("%", -6.0)
+    assert about_share("%", 5.0) == about_share("mm", -1.0) == ""

@@ -9,9 +9,14 @@ from PIL import Image
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
+from jointclosure.joint.tables import stress_table
 from jointclosure.plotting import snapshots
+from jointclosure.plotting.joint import engineering_figure
 from jointclosure.plotting.style import percent_ticks, subplots
+from jointclosure.plotting.walls import pair_figure
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.walls.gridding import Scan
+from jointclosure.walls.registration import registered
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python
 
@@ -155,3 +160,38 @@ def test_short_axes_of_percentages_are_linear():
     assert percent_ticks(axes.yaxis, 5.0, -12.0, 15.0) == ""
     assert axes.get_yscale() == "linear"
     assert axes.get_ylim() == (-12.0, 15.0)
+
+
+@pytest.fixture(scope="module")
+def flowing(walls):
+    return jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=5e6, seating_stress=0.5e6,
+        flow=True,
+    )  # fmt: skip
+
+
+def test_one_legend_below_the_panels_names_an_unloading_that_its_loading_hides(flowing):
+    figure = engineering_figure(flowing, "a joint")
+    assert not any(axes.get_legend() for axes in figure.axes)
+    (legend,) = figure.legends
+    named = [text.get_text() for text in legend.get_texts()]
+    assert len(set(named)) == len(named)
+    assert "cycle 2, unloading (same as loading)" in named
+    assert "cycle 1, unloading" in named
+
+
+def test_the_axis_of_transmissivity_ends_where_the_data_do(flowing):
+    axes = engineering_figure(flowing, "a joint").axes[3]
+    curves = stress_table(flowing)
+    known = curves.transmissivity_m2_per_s[curves.transmissivity_m2_per_s > 0.0]
+    low, high = axes.get_ylim()
+    assert 0.5 * known.min() < low < known.min()
+    assert known.max() < high < 2.0 * curves.largest_transmissivity_m2_per_s.max()
+
+
+def test_the_needed_correlation_of_an_orientation_is_named_on_its_axis():
+    upper, lower = jc.wall_pair(10.0, (32, 32), SPACING, 3, mismatch_wavelength=1e-3)
+    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
+    pair = registered(*scans, orientation="common_frame", spikes="keep", unusual_values=True)
+    figure = pair_figure(pair, "a pair")
+    assert any("needed to be clear" in axes.get_xlabel() for axes in figure.axes)

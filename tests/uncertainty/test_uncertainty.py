@@ -10,6 +10,7 @@ from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table
+from jointclosure.plotting.joint import range_figure
 from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
@@ -79,6 +80,17 @@ def test_random_sources_without_scatter_have_no_more_than_nothing():
 
 def test_total_indices_of_a_range_of_nothing_are_unknown():
     assert np.isnan(total_indices({"a": 0.0}, {}, 0.0)["a"])
+
+
+def test_a_source_that_is_fixed_in_the_random_joints_has_no_part_in_their_departures():
+    """Otherwise a choice of the model had the interactions of others, and a share like theirs."""
+    alone = {"a": 1.0, "b": 1.0, "choice": 1.0}
+    indices = total_indices(alone, {}, 3.0, fixed={"choice"})
+    assert indices == pytest.approx({"a": 4.0 / 6.0, "b": 4.0 / 6.0, "choice": 1.0 / 6.0})
+    one = {ORDER: np.array([-1.0, 1.0])}
+    indices = total_indices({"a": 1.0, "choice": 1.0}, one, 4.0, fixed={"choice"})
+    assert indices == pytest.approx({"a": 4.0 / 6.0, "choice": 1.0 / 6.0, ORDER: 1.0 / 6.0})
+    assert total_indices({"choice": 1.0}, {}, 1.0, fixed={"choice"}) == {"choice": 1.0}
 
 
 def range_of(widths, scatter=0.0, seed=0):
@@ -690,3 +702,37 @@ def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
         lines = budget._numerical_error(CLOSURE_NET)
         assert "numerical error at most" in lines[0]
         assert any("is not stable" in line for line in lines) == unstable
+
+
+def test_a_source_that_moves_the_result_without_a_share_is_undetermined(budget):
+    """The estimate of a share from few random joints may be clipped at 0."""
+    row = budget.ranges.loc[1, CLOSURE]
+    far = row.best + 0.5 * (row.high_with_choices - row.low_with_choices)
+    results = budget.results.copy()
+    results.loc[(results.source == "peaks") & (results.cycle == 1), CLOSURE] = far
+    ranges = budget.ranges.copy()
+    ranges.loc[(1, CLOSURE), ["peaks", "spacing"]] = 0.0
+    near = results.source == "spacing"
+    results.loc[near & (results.cycle == 1), CLOSURE] = 1.0001 * row.best
+    clipped = budget._replace(results=results, ranges=ranges)
+    assert clipped.undetermined_shares(1, CLOSURE) == ["peaks"]
+    text = " ".join(clipped.sentences())
+    assert "choice of soft peaks undetermined" in text
+    assert "do not distinguish its share from 0" in text
+    assert clipped.share_text(1, CLOSURE, "spacing") == "0 %"
+    (record,) = (r for r in clipped.record() if (r["cycle"], r["quantity"]) == (1, CLOSURE))
+    assert record["undetermined_shares"] == ["peaks"]
+    assert record["shares"]["peaks"] == 0.0
+    drawn = range_figure(clipped, "a joint")
+    ticks = [label.get_text() for label in drawn.axes[0].get_yticklabels()]
+    assert "choice of soft peaks (undetermined)" in ticks
+    assert "grid spacing (0 %)" in ticks
+
+
+def test_it_is_said_what_a_share_of_100_percent_is(budget):
+    text = " ".join(budget.sentences())
+    assert "100 % is the variance of the result" in text
+    assert "shares may add to more than 100 %" in text
+    (legend,) = range_figure(budget, "a joint").legends
+    assert "100 % is the variance" in legend.get_title().get_text().replace("\n", " ")
+    assert "as registered, usual values" in [part.get_text() for part in legend.get_texts()]

@@ -169,7 +169,11 @@ def test_a_pickle_is_refused_before_it_runs(name, tmp_path):
     [
         ("a.npy", {"scan_spacing": SPACING}, "does not state the units of its heights"),
         ("a.npy", {"units": "mm"}, "does not state the spacing"),
-        ("a.npy", {"units": "inch", "scan_spacing": SPACING}, "must be one of m, mm, um, nm"),
+        (
+            "a.npy",
+            {"units": "inch", "scan_spacing": SPACING},
+            "must be one of m, mm, um, nm; convert others, such as inches",
+        ),
         ("a.npz", {"units": "mm"}, "units = 'mm': the heights of the file are in 'um'"),
         ("a.npz", {"scan_spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
         ("a.npz", {"variable": "Q"}, "variable = 'Q': must be one of Z_um, spacing_m"),

@@ -186,9 +186,9 @@ def test_a_grid_with_missing_points_is_that_grid(lost, wall, points, tmp_path):
 def test_missing_points_are_reported(lost, points, tmp_path):
     """A profile that is lost is warned of."""
     scan = read_points(tmp_path / "a.xyz", np.delete(points, lost, axis=0))
-    assert f"{len(lost)} of 520 nodes of the points' grid have no point" in scan.remarks[0]
+    assert f"{len(lost)} of 520 heights" in scan.remarks[0]
     warned = " ".join(cautions(scan.remarks))
-    assert ("26 of them inside the wall (5 %): is the file inc" in warned) == (len(lost) == 26)
+    assert ("26 of 520 heights (5 %) are missing inside the wall" in warned) == (len(lost) == 26)
 
 
 def test_scattered_or_staggered_points_are_no_grid(points, tmp_path):
@@ -229,7 +229,7 @@ def jitter(points, step):
 
 DAMAGES = {
     off_its_node: (1, "1 of 520 points lie off the nodes"),
-    a_lost_field: (1, "1 of 520 nodes of the points' grid have no point"),
+    a_lost_field: (1, "1 of 520 heights are missing"),
     a_point_between: (1, "1 of 520 points lie off the nodes"),
     a_shifted_profile: (26, "26 of 520 points lie off the nodes"),
     rounded_places: (0, "points were moved to the nodes of their grid, by an rms "),

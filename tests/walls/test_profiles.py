@@ -7,6 +7,7 @@ import jointclosure as jc
 from jointclosure.cli.main import main
 from jointclosure.inputs.remarks import cautions
 from jointclosure.storage.files import read_csv
+from jointclosure.walls.measures import jrc_of_relation, slope_over_interval
 from jointclosure.walls.profiles import (
     Profile,
     levelled_profile,
@@ -202,3 +203,34 @@ def test_options_of_walls_are_refused_with_a_profile(tmp_path, capsys, words):
     file = written(tmp_path, ["0 0", "1 1"])
     assert main(["roughness", str(file), "--profile", *words]) == 2
     assert f"{words[0]}: must be left out with --profile" in capsys.readouterr().err
+
+
+def test_z2_between_two_measured_distances_lies_between_its_values_there():
+    scatter = {"Z2 at 2": np.array([0.178]), "Z2 at 3": np.array([0.170])}
+    slope, how = slope_over_interval(1e-3, scatter, np.array([0.196]), 0.4e-3, 1.223)
+    assert 0.170 < slope[0] < 0.178
+    assert "between those at 0.8 and 1.2 mm" in how
+    measures = {m.name: m for m in measure_profile(made(0.2, 200), 0.4e-3)}
+    assert "between those at 0.8 and 1.2 mm" in measures["JRC, tatone_grasselli_1mm"].remark
+
+
+@pytest.mark.parametrize("interval", [0.25e-3, 1e-3])
+def test_no_slope_is_carried_by_a_hurst_exponent_above_1(interval):
+    slope, how = slope_over_interval(interval, {}, np.array([0.2]), 0.4e-3, np.array([1.223]))
+    assert slope[0] == 0.2
+    assert how.endswith("by H = 1")
+
+
+def test_an_interval_of_jrc_that_ends_outside_of_its_relation_is_named():
+    relation = RELATIONS["tatone_grasselli_1mm"]
+    inside, outside = (np.array([0.2, 0.15, end]) for end in (0.25, 0.5))
+    assert "OUTSIDE" not in jrc_of_relation(relation, inside, "")[1]
+    assert jrc_of_relation(relation, outside, "")[1].endswith("the interval ends OUTSIDE")
+
+
+def test_a_hurst_exponent_above_1_is_warned_of(tmp_path, capsys):
+    x = 0.4 * np.arange(100)
+    rows = [f"{a:.4f},{b:.6f}" for a, b in zip(x, np.sin(x / 8.0), strict=True)]
+    file = written(tmp_path, ["x_mm,z_mm", *rows])
+    assert main(["roughness", str(file), "--profile"]) == 0
+    assert "Warning: H is 1." in capsys.readouterr().out

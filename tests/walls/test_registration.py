@@ -618,3 +618,10 @@ def test_the_walls_of_a_published_fracture_are_laid_together_at_any_angle(name, 
     assert angle == pytest.approx(degrees, abs=4.0 * found.mated.standard_errors()[0])
     assert found.correlation == pytest.approx(right.correlation, abs=0.005)
     assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.05)
+
+
+def test_angles_of_tried_fits_have_the_convention_of_the_motion():
+    """From -180 to 180 degrees, so that both lines of the report can be compared."""
+    tried = {angle: str(Fit("turned_over", 0.86, angle, np.zeros(2))) for angle in (6.0, 186.0)}
+    assert tried[186.0] == "turned_over 0.86 at -174 degrees"
+    assert tried[6.0] == "turned_over 0.86 at 6 degrees"

@@ -131,6 +131,7 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
     return {
         "title": title,
         "joint": repr(joint),
+        "description": joint.description,
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": results.status_text(history),
         "found": pair.report,

@@ -6,10 +6,13 @@ import argparse
 import base64
 import hashlib
 import json
+import os
+import struct
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pandas as pd
 import xarray as xr
@@ -32,6 +35,28 @@ with needs("report", "a page"):
 
 LIBRARY = "jointclosure.cli"
 """Package with the style and the frame of all pages."""
+_MODEL = (
+    "no fluid pressure acts on the walls, and no shear; a cell of the grid is an asperity, so that "
+    "another spacing gives another closure"
+)
+
+_PNG = b"\x89PNG"
+FILES = {
+    "Barton-Bandis constants for UDEC and 3DEC": ["barton_bandis.dat"],
+    "Stiffness and aperture tables for 3DEC": ["joint_stiffness.dat"],
+    "Constants for PorePy": ["porepy*.json"],
+    "Apertures and constants for GEOS (geos_gap.csv is the coordinate of the tables: no range)": [
+        "geos*.xml",
+        "geos*.csv",
+    ],
+    "Mesh of the joint with its apertures": ["fracture.vtu"],
+    "Curves at round stresses, with ranges": ["answer.csv"],
+    "Fitted laws": ["laws.csv"],
+    "Every step, and every cycle": ["curves.csv", "cycles.csv"],
+    "Results of each source of uncertainty": ["range.csv"],
+    "All data": ["joint.json", "joint.nc"],
+}
+"""Files that `jointclosure close` writes, by what they are; those of other programs come first."""
 
 _TITLES = {
     **HEADINGS,
@@ -58,13 +83,37 @@ def run(arguments: argparse.Namespace) -> int:
     record = json.loads(read_text(folder / "joint.json"))
     with reading_netcdf(folder / "joint.nc") as history:
         content = joint_content(history.load(), read_csv(folder / "answer.csv"), record)
-    sources = {file.stem: source(file.read_bytes()) for file in folder.glob("*.png")}
-    page = render(content | {"sources": sources}, "joint.html.j2")
+    pictures = {file.stem: picture(file.read_bytes()) for file in folder.glob("*.png")}
+    files = files_of(folder, output.parent)
+    page = render(content | {"pictures": pictures, "files": files}, "joint.html.j2")
     write_text(page, output)
     if output.parent == folder:  # the page belongs to the folder of the joint
         add_file(folder, "close", output.name)
     print(f"wrote {output}: {len(page.encode()) / 1e6:.1f} MB")
     return 0
+
+
+def files_of(folder: Path, start: Path) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return what the files of a joint are, with their names and their addresses from a folder.
+
+    Without a path that leads there from the page, addresses are empty.
+    """
+    try:
+        way = Path(os.path.relpath(folder.resolve(), start.resolve())).as_posix()
+    except ValueError:  # on another drive
+        way = ""
+    found = []
+    for about, patterns in FILES.items():
+        names = [file.name for pattern in patterns for file in sorted(folder.glob(pattern))]
+        if names:
+            found.append((about, [(name, way and quote(f"{way}/{name}")) for name in names]))
+    return found
+
+
+def picture(png: bytes) -> dict[str, Any]:
+    """Return a PNG as a data URL, and its width and height in pixels, 0 if it has none."""
+    size = struct.unpack(">II", png[16:24]) if png.startswith(_PNG) else (0, 0)
+    return {"source": source(png), "size": size}
 
 
 def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> dict:
@@ -93,7 +142,7 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         wider = pd.DataFrame(record["with_other_choices"])
         tables["choices"] = wider.rename_axis("result").reset_index()
     return record | {
-        "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
+        "notes": _notes(record),
         "text": text,
         "not_modelled": NOT_MODELLED,
         "ends": sorted({1, int(history.load_cycle.max())}),
@@ -102,6 +151,25 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         "tables": {name: _html(table) for name, table in tables.items()},
         "provenance": provenance_rows(history.attrs),
     }
+
+
+def _notes(record: dict) -> list[str]:
+    """Return what a reader of the first numbers must know: the joint, its status, and cautions.
+
+    A joint is called a success only if there are no cautions.
+    """
+    word, _, remarks = record["status"].partition(": ")
+    ended = record["status"] if word == "failed" else f"status of the simulation: {remarks}"
+    if word != "failed" and not remarks:
+        ended = "" if record["warnings"] else record["status"]
+    about = record.get("description") or record["joint"].strip("<>").removeprefix("ClosedJoint: ")
+    notes = [about, ended, *record["warnings"], _MODEL]
+    return [sentence(note) for note in notes if note]
+
+
+def sentence(text: str) -> str:
+    """Return a text with a capital letter at its beginning and one mark at its end."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?", "!")) else ".")
 
 
 def _html(table: pd.DataFrame) -> str:

@@ -53,6 +53,17 @@ _REASONS = {
     ),
 }
 """Why the hydraulic aperture is 0, or only bounds of it are known, by status."""
+_NO_RANGE_OF_LAWS = (
+    "Barton-Bandis values have no range, because JRC and JCS are taken as exact and the law states "
+    "no error"
+)
+_MEAN_OF_DIRECTIONS = (
+    "hydraulic aperture and transmissivity in the tables are of the geometric mean of the "
+    "hydraulic apertures along x and y"
+)
+_NO_RANGE_OF_DIRECTIONS = (
+    "; those along x and y alone have no range, because it is computed for their mean only"
+)
 _FLOW = (
     *("hydraulic_aperture_mm", "largest_hydraulic_mm"),
     *("transmissivity_m2_per_s", "largest_transmissivity_m2_per_s"),
@@ -78,9 +89,12 @@ def summary(
     """
     remarks = [*(budget.sentences() if budget else []), laws.sentence()]
     remarks += _hyperbola_remarks(closed)
+    if budget and laws.by_cycle:
+        remarks.append(_NO_RANGE_OF_LAWS)
     remarks += _overlap_remarks(closed)
     if history_of(closed).has_flow:
         remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
+        remarks.append(_MEAN_OF_DIRECTIONS + (_NO_RANGE_OF_DIRECTIONS if budget else ""))
     table = result_table(closed, laws, curves, budget)
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     head = (
@@ -213,7 +227,11 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
         lambda value: number_text(0.0 if abs(value) <= least else value, figures)
     )
     middle, *ends = (values[column] for column in columns)
-    return middle + " (" + ends[0] + " to " + ends[1] + ")" if ends else middle
+    if not ends:
+        return middle
+    # a value that is so by definition, such as the closure at seating, has no range
+    same = ~(curves[columns].max(axis=1) > curves[columns].min(axis=1))
+    return middle.where(same, middle + " (" + ends[0] + " to " + ends[1] + ")")
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:

@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
         remarks.append(f"{spikes}; {done}")
     ny, nx = wall.shape
     gaps = _gaps(wall)
-    size = f"{ny} x {nx} cells (y, x) of {1e3 * step:.4g} mm{gaps}; mean plane removed"
+    size = f"{nx} x {ny} cells (x, y) of {1e3 * step:.4g} mm{gaps}; mean plane removed"
     _show(measures, size, remarks, arguments)
     if arguments.picture:
         figure = roughness_figure(wall, step, arguments.file.name)
@@ -109,10 +109,23 @@ def _run_profile(arguments: argparse.Namespace) -> int:
     gaps = _gaps(heights)
     size = f"{heights.size} places {1e3 * step:.4g} mm apart{gaps}; mean line removed"
     size += f", which is inclined by {inclination:.3g} degrees"
-    _show(measures, size, profile.remarks, arguments)
+    _show(measures, size, [*profile.remarks, *_smooth(measures)], arguments)
     if arguments.picture:
         results.write(profile_figure(heights, step, arguments.file.name), arguments.picture)
     return 0
+
+
+def _smooth(measures: Sequence[Measure]) -> list[str]:
+    """Return a caution if the Hurst exponent is above 1."""
+    (hurst,) = (measure.value for measure in measures if measure.name == "H")
+    if hurst <= 1.0:
+        return []
+    about = (
+        f"H is {hurst:.3g}, and self-affine surfaces have at most 1: the profile is too short to "
+        "show it, or smooth at short distances, as after filtering or with a wide stylus; Z2 is "
+        "carried to other distances by H = 1"
+    )
+    return [caution(about)]
 
 
 def _gaps(heights: np.ndarray) -> str:

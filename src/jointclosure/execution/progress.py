@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 _BETWEEN_LINES = 30.0  # time [s] between two lines
 _PART = 0.1  # share of the work between two lines
-_FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
+FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
 
 
 @contextmanager
@@ -38,8 +38,8 @@ def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
 
         def report(cycle: int, branch: str, share: float) -> None:
             share = min(share, 1.0) if branch == "loading" else 1.0
-            done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
-            show(done / (_FIRST_LOADING + cycles - 1), f"cycle {cycle} of {cycles}, {branch}")
+            done = FIRST_LOADING * share if cycle == 1 else FIRST_LOADING + cycle - 2 + share
+            show(done / (FIRST_LOADING + cycles - 1), f"cycle {cycle} of {cycles}, {branch}")
 
         yield report
 

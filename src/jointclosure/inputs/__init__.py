@@ -44,7 +44,10 @@ def size_of(units: str) -> float:
     """Return a unit of length in metres; `InputError` lists the known units."""
     name = SPELT.get(units.strip())
     if name is None:
-        raise InputError(f"units = {units!r}: must be one of {', '.join(UNITS)}")
+        known = ", ".join(UNITS)
+        raise InputError(
+            f"units = {units!r}: must be one of {known}; convert others, such as inches"
+        )
     return UNITS[name]
 
 

@@ -21,6 +21,12 @@ class Quantity(NamedTuple):
     first_loading: bool  # whether it is of the first loading alone
 
 
+def about_share(unit: str, low: float) -> str:
+    """Say what a negative share of closure is, if one is among the values from ``low`` on."""
+    negative = unit == "%" and low < 0.0
+    return " (negative: the joint opens beyond the start of the loading)" if negative else ""
+
+
 def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> list[Quantity]:
     """Compute closure at the maximum, stiffness, and the share of closure that stays, by cycle.
 

@@ -4,7 +4,6 @@ import math
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.execution.cache import Entry, make_missing
+from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import RESOLVED, Conditions
@@ -28,6 +28,7 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.uncertainty.expected_cost import rough_time, seconds_of_joint
 from jointclosure.uncertainty.variants import coarser
 from jointclosure.walls import shifted
 
@@ -96,17 +97,19 @@ class Joints(NamedTuple):
         surfaces = self.asked.joint.surfaces
         wavelengths = self.asked.wavelengths.size
         closures = self._close_missing(
-            [(i, k) for k in range(surfaces) for i in range(wavelengths)]
+            [(i, k) for k in range(surfaces) for i in range(wavelengths)], foresee=True
         )
         closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
         return closures.transpose(2, 1, 3, 0, 4, 5, 6)
 
-    def _close_missing(self, places: Sequence[tuple[int, int]], strength: int = 0) -> np.ndarray:
+    def _close_missing(
+        self, places: Sequence[tuple[int, int]], strength: int = 0, foresee: bool = False
+    ) -> np.ndarray:
         """Simulate joints that are not kept yet, and return the closures [m] of all.
 
         They are (places, laters, strengths, cycles, 2, stresses), NaN for a joint that failed.
         ``places`` are indices of wavelength and surface, ``strength`` is that of the first
-        strength.
+        strength. ``foresee`` is whether the time is estimated and reported first.
         """
         asked = self.asked
         conditions = self.conditions
@@ -114,23 +117,48 @@ class Joints(NamedTuple):
         stresses = tuple(self.stresses.tolist())
         entries = []
         for i, k in places:
-            first = 1 + int(np.dot((i, strength, k), self.strides))
-            numbered = {first + j * self.strides[1]: s for j, s in enumerate(self.strengths)}
-            arguments = (
-                conditions, asked.measured.cycles, stresses, asked.walls,
-                float(asked.wavelengths[i]), numbered, self.laters,
-            )  # fmt: skip
-            file = f"wavelength_{i}_surface_{k}_{numerics.breakage}_{numerics.tolerance:.4g}"
-            scans = {"scans": asked.scans}
-            entries.append(Entry(file, close_surface, arguments, scans, joints=len(numbered)))
+            for j, value in enumerate(self.strengths, start=strength):
+                number = 1 + int(np.dot((i, j, k), self.strides))
+                arguments = (
+                    conditions, asked.measured.cycles, stresses, asked.walls,
+                    float(asked.wavelengths[i]), {number: value}, self.laters,
+                )  # fmt: skip
+                steps = f"{numerics.breakage}_{numerics.tolerance:.4g}"
+                file = f"wavelength_{i}_strength_{j}_surface_{k}_{steps}"
+                scans = {"scans": asked.scans}
+                entries.append(Entry(file, close_surface, arguments, scans))
         (kernel,) = kernels_of([conditions.model])
         workers = number_of_workers(self.workers)
-        compile_first = partial(compile_kernels, *kernel)
+
+        def prepare() -> None:
+            compile_kernels(*kernel)
+            if foresee:
+                self.report(self._forecast(len(places) * len(self.strengths), workers))
+
         kept = tempfile.TemporaryDirectory() if self.cache is None else nullcontext(self.cache)
         with kept as name:
             folder = Path(name)
-            make_missing(entries, folder, workers, self.report, prepare=compile_first, apart=False)
-            return np.stack([read_netcdf(entry.file(folder)).closure.values for entry in entries])
+            make_missing(entries, folder, workers, self.report, prepare=prepare, apart=False)
+            made = [read_netcdf(entry.file(folder)).closure.values for entry in entries]
+        by_place = [
+            np.concatenate(made[start : start + len(self.strengths)], axis=1)
+            for start in range(0, len(made), len(self.strengths))
+        ]
+        return np.stack(by_place)
+
+    def _forecast(self, count: int, workers: int) -> str:
+        """Estimate the time of all ``count`` joints from one of them, and say what is kept."""
+        asked = self.asked
+        middle = len(self.strengths) // 2
+        conditions = changed(self.conditions, self.strengths[middle], Later())
+        walls = asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
+        later = (asked.measured.cycles - 1) * len(self.laters)
+        each = count * (1.0 + later / FIRST_LOADING) / workers
+        low, high = (rough_time(each * seconds) for seconds in seconds_of_joint(*walls, conditions))
+        kept = "finished joints are kept, and a later run goes on with them"
+        if self.cache is None:
+            kept = "no joint is kept without a folder (--output, or cache= in Python)"
+        return f"all {count} joints take about {low} to {high} in {workers} processes; {kept}"
 
     def numerical_changes(
         self, place: tuple[int, int, int], closures: np.ndarray

@@ -33,6 +33,8 @@ _ALLOWED = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": {}}
 """Quantities of the columns of a curve, and their units."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
+_FORCES = ("load", "force")
+"""Last words of the headings of forces."""
 _SPECIMENS = ("specimen", "specimen_id", "sample", "sample_id", "joint", "joint_id", "test_id")
 """Columns of which each value stands for another curve."""
 
@@ -254,7 +256,7 @@ def _place_of_header(lines: Sequence[TableLine], names: Sequence[str] | None) ->
         return _place_above_numbers(lines, [int(number) - 1 for number in names])
     for place, line in enumerate(lines):
         cells = _cells(line.text, _separator(line.text))
-        known = {_quantity_of_heading(cell) for cell in cells}
+        known = set(_quantities_of_headings(cells))
         if (
             all(n in cells or n.isdecimal() for n in names)
             if names
@@ -408,7 +410,7 @@ def _check_one_table(
 def _quantities_of_columns(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
     """Return the quantity of every column, by its heading or by names or numbers of columns."""
     if names is None:
-        return [_quantity_of_heading(cell) for cell in header]
+        return _quantities_of_headings(header)
     numbers = [str(1 + position) for position in range(len(header))]
     if twice := [n for n in names if header.count(n) > 1]:
         raise InputError(
@@ -429,6 +431,23 @@ def _quantities_of_columns(header: list[str], where: str, names: Sequence[str] |
     ]
     by_place = dict(zip([*places, *cycles], _ALLOWED, strict=False))
     return [by_place.get(position, "") for position in range(len(header))]
+
+
+def _quantities_of_headings(header: Sequence[str]) -> list[str]:
+    """Return the quantity of every column by its heading.
+
+    Without a column of stress, one of forces stands for it, which its area makes a stress.
+    """
+    quantities = [_quantity_of_heading(cell) for cell in header]
+    if "stress" in quantities:
+        return quantities
+    force = [_is_force(heading_of(cell)) for cell in header]
+    return ["stress" if f else q for f, q in zip(force, quantities, strict=True)]
+
+
+def _is_force(heading: Heading) -> bool:
+    """Return whether a heading names a load or a force, and has a unit of force."""
+    return heading.unit in FORCE_UNITS and heading.name.rpartition("_")[2] in _FORCES
 
 
 def _quantity_of_heading(cell: str) -> str:

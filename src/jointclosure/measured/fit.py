@@ -12,7 +12,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import RESOLVED
-from jointclosure.measured.agreement import intervals
+from jointclosure.measured.agreement import about_share, intervals
 from jointclosure.measured.calibration import (
     Interval,
     Likelihood,
@@ -155,21 +155,22 @@ class Fit(NamedTuple):
             low, high = (f"{scale * end:.3g}" for end in (one.low, one.high))
             low += " or less" if one.low == tried[0] else ""
             high += f" {unit} or more" if one.high == tried[-1] else f" {unit}"
-            where = f"joints have it at {what} from {low} to {high}"
+            where = f"reached by simulated joints at {what} of {low} to {high}"
             if one.missed:
-                where = f"no joint has it, the nearest have {least} to {most}"
-                where += f" {one.unit}".removesuffix(" 1")
+                where = f"reached by no simulated joint, the nearest have {least} to {most}"
+                where += f" {one.unit}".removesuffix(" 1") + about_share(one.unit, one.least)
             value += f" {one.unit}".removesuffix(" 1")
             lines.append(f"{one.name}, measured {value}: {where}")
         return lines
 
     def _unexplained_caution(self, missed: list[str]) -> str:
         """Return the caution that the model does not explain the curve."""
-        often = self.p_value > 1e-3
-        seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
+        beyond = (
+            f"{100.0 * (1.0 - self.p_value):.3g} %" if self.p_value > 1e-3 else "more than 99.9 %"
+        )
         text = (
-            f"the model does not explain this curve: {seldom} of its joints are as far "
-            f"from their mean, and no interval is valid; {ADVICE}"
+            f"the model does not explain this curve, which is farther from the mean of the "
+            f"simulated joints than {beyond} of them are, and no interval is valid; {ADVICE}"
         )
         if not missed and not all(one.first_loading for one in self.agreements()):
             text += (

@@ -19,7 +19,7 @@ from jointclosure.inputs import InputError, check_below, check_number, check_pos
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import RESOLVED
-from jointclosure.measured.agreement import intervals
+from jointclosure.measured.agreement import about_share, intervals
 from jointclosure.measured.calibration import (
     Likelihood,
     Readings,
@@ -172,17 +172,18 @@ class Region(NamedTuple):
                 lines.append(f"{title}: compatible with {'; '.join(ranges)}")
                 continue
             p_value = self.p_value(mechanism)
-            often = percent(p_value) if p_value > 1e-3 else "fewer than 0.1 %"
+            beyond = f"{100.0 * (1.0 - p_value):.3g} %" if p_value > 1e-3 else "more than 99.9 %"
             missed = (
                 f"{row.quantity} {significant(row.measured, 3)} {row.unit}".removesuffix(" 1")
                 + f" is measured, joints have {significant(row.low, 3)} to "
-                f"{significant(row.high, 3)}"
+                f"{significant(row.high, 3)}{about_share(row.unit, row.low)}"
                 for row in quantities[quantities.mechanism == mechanism].itertuples()
                 if row.measured < row.low or row.measured > row.high
             )
             where = "; ".join(missed) or "each quantity is met by itself, but not all together"
             lines.append(
-                f"{title}: not compatible, {often} of the nearest joints are as far: {where}"
+                f"{title}: not compatible, the curve is farther from the mean of the nearest "
+                f"joints than {beyond} of them are: {where}"
             )
         lines += [*numerical_sentence(self.numerical), *self.reading]
         return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]

@@ -1,11 +1,13 @@
 """Figures of a joint: closure and its range, stiffness, laws and apertures."""
 
+import textwrap
 from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 import seaborn as sns
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -19,6 +21,13 @@ from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.ranges import NUMBERS, WIDER
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import ALL, TITLES
+
+DECADES = 9  # of transmissivity that are drawn at most
+SAME = 0.01  # difference of two branches over their largest value, below which they are one line
+_SEEN = ["normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"]
+"""Columns whose branches are compared."""
+AS_REGISTERED = "as registered, usual values"
+"""Name of the joint itself beside its range, in whose middle it need not be."""
 
 
 @styled
@@ -48,20 +57,25 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
 
 @styled
 def range_figure(budget: Budget, title: str) -> Figure:
-    """Draw the net closure of the first and the last cycle, and how far each source moves it."""
+    """Draw the net closure of the first and the last cycle, and how far each source moves it.
+
+    The legend says what the percentages are.
+    """
     ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
     cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
     figure, panels = subplots(
-        1, len(cycles), figsize=(5.2 * len(cycles), 3.6), title=title, squeeze=False
+        1, len(cycles), figsize=(6.4 * len(cycles), 4.4), title=title, squeeze=False
     )
     for axes, cycle in zip(panels[0], cycles, strict=True):
         row = ranges.loc[cycle]
         results = budget.results[budget.results.cycle == cycle]
-        shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
+        shares = row.drop(NUMBERS).astype(float).dropna()
+        hidden = shares.index.isin(budget.undetermined_shares(cycle, CLOSURE_NET))
+        shares = shares.iloc[np.lexsort((hidden, shares))]  # above those that have no share
         for place, name in enumerate(shares.index):
             values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
             axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
-            label = None if place else "one source changed"
+            label = None if place else "one source alone at an end of its range, or drawn at random"
             axes.plot(values, [place] * values.size, "o", color="C0", label=label)
         drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
         label = "range of 9 in 10"
@@ -69,15 +83,21 @@ def range_figure(budget: Budget, title: str) -> Figure:
         if budget.choices:
             label = "with other choices of the model"
             axes.plot(row[WIDER], [len(shares)] * 2, "-", color="C1", lw=1, label=label)
-        label = "random sets that were closed"
+        label = "joints with random values of all sources"
         axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5, label=label)
-        axes.plot(row.best, len(shares), "o", color="C1", label="best value")
+        axes.plot(row.best, len(shares), "o", color="C1", label=AS_REGISTERED)
         axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
-        labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
+        labels = [
+            f"{TITLES[name]} ({budget.share_text(cycle, CLOSURE_NET, name)})"
+            for name in shares.index
+        ]
         axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
         axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
     named = panels[0, 0].get_legend_handles_labels()
-    figure.legend(*named, loc="outside lower center", ncols=2, frameon=False)
+    about = textwrap.fill(
+        f"in brackets, shares of sources: {budget.about_shares()}", 60 * len(cycles)
+    )
+    figure.legend(*named, loc="outside lower center", ncols=len(cycles), frameon=False, title=about)
     sns.despine(figure)
     return figure
 
@@ -140,7 +160,7 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         colour = f"C{cycle - 1}"
         width = 1.2 + 1.4 * (cycles - cycle) / max(1, cycles - 1)
         stress = rows.normal_stress_MPa
-        label = f"cycle {cycle}, {branch}"
+        label = _branch_label(curves, cycle, branch)
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
@@ -149,6 +169,15 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         line = {"color": colour, "label": label, "zorder": order, "lw": width}
         axes.plot(*at, BRANCH_LINES[branch], **line)
     axes.set(xlabel="normal stress (MPa)", ylabel=CURVES[name][0], xlim=0.0)
+
+
+def _branch_label(curves: pd.DataFrame, cycle: int, branch: str) -> str:
+    """Name a branch of a `stress_table`; an unloading that its loading hides is named so."""
+    label = f"cycle {cycle}, {branch}"
+    of_cycle = curves[curves.cycle == cycle].set_index("normal_stress_MPa")
+    up, down = (of_cycle.loc[of_cycle.branch == name, _SEEN] for name in (LOADING, branch))
+    apart = (down - up).abs().max() > SAME * up.abs().max()
+    return label if branch == LOADING or apart.any() else f"{label} (same as loading)"
 
 
 @styled
@@ -161,10 +190,10 @@ def engineering_figure(
     """Draw closure and its laws, net stiffness, aperture and flow, with bands if known."""
     curves = stress_table(joint) if curves is None else curves
     has_flow = history_of(joint).has_flow
-    shape, size = ((2, 2), (10.4, 8.4)) if has_flow else ((1, 3), (13.5, 4.6))
+    shape, size = ((2, 2), (10.4, 9.2)) if has_flow else ((1, 3), (13.5, 5.4))
     if has_bands(curves):
-        title += ": with bands of nine in ten joints that the scans allow"
-    _, panels = subplots(*shape, figsize=size, title=title)
+        title += "; bands: 9 in 10 joints compatible with the scans"
+    figure, panels = subplots(*shape, figsize=size, title=title)
     panels = panels.ravel()
     _draw_closure(panels[0], joint, curves, laws)
     draw_stiffness(panels[1], curves)
@@ -174,10 +203,18 @@ def engineering_figure(
     if has_flow:
         _draw_flow(panels[3], curves)
         panels[3].set_xlim(panels[2].get_xlim())  # also where nothing flows
+    named: dict[str, Artist] = {}
     for axes in panels:
         sns.despine(ax=axes)
-        axes.legend(frameon=False, fontsize=8)
-    return panels[0].figure
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            named.setdefault(label, handle)
+        if axes.get_legend():
+            axes.get_legend().remove()
+    figure.legend(
+        named.values(), named, loc="outside lower center", ncols=shape[1] + 1, frameon=False,
+        fontsize=9,
+    )  # fmt: skip
+    return figure
 
 
 def _draw_closure(
@@ -210,17 +247,25 @@ def _draw_closure(
 
 
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
-    """Draw transmissivity over stress where it is known and above 0; its upper bound dotted."""
+    """Draw transmissivity over stress where it is known and above 0; its upper bound dotted.
+
+    The axis has the limits of what is drawn, and at most `DECADES`.
+    """
     name = "transmissivity_m2_per_s"
-    drawn = [name, *members(curves, name)[2:]]  # a band may end at 0, and a line may not
-    _draw_along(axes, curves.assign(**curves[drawn].where(curves[drawn] > 0.0)), name)
+    lines = [name, *members(curves, name)[2:]]  # a band may end at 0, and a line may not
+    _draw_along(axes, curves.assign(**curves[lines].where(curves[lines] > 0.0)), name)
     axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3
         label = "upper bound" if cycle == 1 else None
         axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
     axes.set(title="transmissivity")
-    known = curves[name]
-    if (known > 0.0).any():
-        top = 3.0 * known.max()
-        axes.set(yscale="log", ylim=(1e-9 * top, None))
+    if not (curves[name] > 0.0).any():
+        return
+    drawn = np.concatenate([np.ravel(line.get_ydata()) for line in axes.lines])
+    if has_bands(curves):
+        ends = curves.loc[curves.branch == LOADING, members(curves, name)]
+        drawn = np.append(drawn, ends.to_numpy())
+    drawn = drawn[drawn > 0.0]
+    least = max(drawn.min(), 10.0**-DECADES * drawn.max())
+    axes.set(yscale="log", ylim=(0.7 * least, 1.4 * drawn.max()))

@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from scipy import ndimage
 
-from jointclosure.joint.status import LOADING
+from jointclosure.joint.status import BRANCHES, LOADING
 from jointclosure.measured.calibration import Likelihood
 from jointclosure.measured.fit import Fit
 from jointclosure.measured.region import MECHANISMS, NEITHER, Region
@@ -35,13 +35,20 @@ def fit_figure(result: Fit, title: str) -> Figure:
     logs = np.moveaxis(result.simulated.logs, axis, 0)
     nodes = np.geomspace(tried[0], tried[-1], len(logs))
     _draw_readings(above, result, nodes, logs)
-    profile = result.likelihood.log.max(axis=1 - axis)
-    below.plot(tried, profile - profile.max(), color="C0")
-    interval = result.compressive_strength if result.scanned else result.mismatch_wavelength
-    if result.interval_holds and interval is not None:
-        low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
-        below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
-        below.legend(frameon=False)
+    if result.interval_holds:
+        profile = result.likelihood.log.max(axis=1 - axis)
+        below.plot(tried, profile - profile.max(), color="C0")
+        interval = result.compressive_strength if result.scanned else result.mismatch_wavelength
+        if interval is not None:
+            low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
+            below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
+            below.legend(frameon=False)
+    else:
+        below.set(yticks=[])
+        below.text(
+            0.5, 0.5, "not drawn: the model does not explain the curve",
+            transform=below.transAxes, ha="center", va="center", color="0.4",
+        )  # fmt: skip
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
     below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
     decimal_ticks(below.xaxis, above.yaxis)
@@ -80,10 +87,12 @@ def draw_measured(
         colour = f"C{cycle - 1}"
         for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
             ends = np.nanpercentile(1e3 * closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
-            label = f"cycle {cycle}: nine in ten {kind} joints" if branch == 0 else None
+            label = f"cycle {cycle}, {BRANCHES[branch]}: nine in ten {kind} joints"
+            loads = BRANCHES[branch] == LOADING
             axes.fill_betweenx(
-                1e-6 * stresses, *ends, color=colour, alpha=0.25, lw=0.0, label=label
-            )
+                1e-6 * stresses, *ends, lw=0.0, label=label, alpha=0.25 if loads else 0.6,
+                fc=colour if loads else "none", ec=colour, hatch=None if loads else "////",
+            )  # fmt: skip
         seating = result.measured.seating
         for branch, stress, closure in result.curve.since_seating(cycle, seating):
             if branch == LOADING:

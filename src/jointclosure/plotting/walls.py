@@ -66,7 +66,8 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
         if (second := pair.fits[1].correlation) > 0.0:
             axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
         axes.set(title="orientation of the upper scan")
-        axes.set(xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)")
+        needed = f"line: {CLEAR:g} times the second, needed to be clear"
+        axes.set(xlabel=f"correlation of slopes\n({needed})")
     for axes in panels[3:]:
         sns.despine(ax=axes)
     return figure

@@ -10,7 +10,7 @@ from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
 from jointclosure.uncertainty.published_joints import measured_range
-from jointclosure.uncertainty.ranges import NUMBERS, WIDER, limits_of_error
+from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER, limits_of_error
 from jointclosure.uncertainty.results import (
     CLOSURE_NET,
     KNI,
@@ -23,12 +23,13 @@ from jointclosure.uncertainty.results import (
 from jointclosure.uncertainty.sources import ALL, TITLES
 
 UNDETERMINED = "undetermined"
-"""Text of a largest closure Vm that a loading which hardly bends does not determine."""
+"""Text of a largest closure Vm of a loading that hardly bends, and of a share that few joints
+with random values do not distinguish from 0."""
 MEASURED = (
-    "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
-    "loading was {:.2g} to {:.2g} times as stiff as the first, and {:.2g} to {:.2g} % of its "
-    "closure remained; in second cycles of the model nothing remains, unless the joint is reseated "
-    "or its crushed rock weakens (docs/measured.md)"
+    "measured joints (three of granodiorite, E 11 GPa, 122 mm wide): {:.2g} to {:.2g} mm of "
+    "closure on the first loading to 10 MPa; a later loading was {:.2g} to {:.2g} times as stiff "
+    "as the first, and {:.2g} to {:.2g} % of its closure remained; in second cycles of the model "
+    "nothing remains, unless the joint is reseated or its crushed rock weakens (docs/measured.md)"
 ).format(
     *measured_range("first_closure"),
     *measured_range("stiffness_ratio"),
@@ -38,6 +39,10 @@ MEASURED = (
 OUTLYING = 0.15  # share of random joints beyond the best value, below which it is at their edge
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
+LEAST_SHARE = 0.005  # of a source that is named: half a percent
+MOVES = 0.1
+"""Change of a result by one source alone, over the width of the range, from which a share below
+`LEAST_SHARE` is called undetermined: few random joints do not show what the source does."""
 UNRESOLVED = 0.005
 """Residual closure over the net closure of a cycle, up to which it is the error of the steps."""
 
@@ -86,12 +91,19 @@ class Budget(NamedTuple):
         """Describe what the range is due to, what it leaves out, and what is known of the model."""
         closure = next(iter(QUANTITIES))
         cycles = self.ranges.index.unique("cycle")
+        shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
         lines = [
-            f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources in the range"
-            f"{' with other choices of the model' if self.choices else ''}, interactions included: "
+            f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources: "
             f"{self._shares(cycle, closure)}"
-            for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
+            for cycle in shown
         ]
+        lines.append(f"shares of sources: {self.about_shares()}")
+        if any(self.undetermined_shares(cycle, closure) for cycle in shown):
+            lines.append(
+                f"{UNDETERMINED} share: the source alone moves the result by more than "
+                f"{100.0 * MOVES:.0f} % of its range, but {self._random_joints()} joints with "
+                "random values do not distinguish its share from 0"
+            )
         for quantity in (closure, STIFFNESS):
             lines += self._numerical_error(quantity)
         lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
@@ -112,8 +124,8 @@ class Budget(NamedTuple):
         if exact := [name for name in self.omitted if name in OF_ROCK]:
             names = ", ".join(TITLES[name] for name in exact)
             lines.append(
-                f"not varied in the range: {names} (--range {key_of(exact[-1])} LOW HIGH, or "
-                "ranges= in Python, adds their ranges)"
+                f"taken as exact, and not varied in the range: {names} (--range "
+                f"{key_of(exact[-1])} LOW HIGH, or ranges= in Python, adds their ranges)"
             )
         return [*lines, MEASURED]
 
@@ -136,10 +148,9 @@ class Budget(NamedTuple):
         if known.empty:
             return []
         errors = (f"{100.0 * row.error:.2g} % on cycle {row.cycle}" for row in known.itertuples())
-        by = ", ".join(known.by.unique())
         lines = [
             f"{QUANTITIES[quantity]}: numerical error at most {', '.join(errors)} in nine of ten "
-            f"joints (by {by})"
+            "joints"
         ]
         unstable = known[known.scatter > NOT_STABLE]
         if len(unstable):
@@ -176,7 +187,10 @@ class Budget(NamedTuple):
             {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
             | row[NUMBERS].to_dict()
             | {"numerical_error": errors.get((cycle, quantity))}
-            | {"shares": row.drop(NUMBERS).to_dict()}
+            | {
+                "shares": row.drop(NUMBERS).to_dict(),
+                "undetermined_shares": self.undetermined_shares(cycle, quantity),
+            }
             for (cycle, quantity), row in rows.iterrows()
         ]
 
@@ -215,11 +229,47 @@ class Budget(NamedTuple):
         least = UNRESOLVED * rows[CLOSURE_NET] if quantity == RESIDUAL_NET else ROUNDING
         return rows.empty or bool((rows[quantity].abs() > least).any())
 
+    def about_shares(self) -> str:
+        """Say what a share of 100 % is, and why shares may add to more."""
+        others = " and other choices of the model" if self.choices else ""
+        return (
+            f"100 % is the variance of the result over joints with random values of all sources"
+            f"{others}; an interaction counts for each of its sources, so that shares may add to "
+            "more than 100 %"
+        )
+
+    def undetermined_shares(self, cycle: int, quantity: str) -> list[str]:
+        """Return the sources that move a result when changed alone, but seem to have no share."""
+        row = self.ranges.loc[cycle, quantity]
+        shares = row.drop(NUMBERS).dropna().astype(float)
+        ends = row[[*ENDS, *WIDER]].astype(float)
+        least = MOVES * (ends.max() - ends.min())
+        here = self.results[self.results.cycle == cycle]
+        moves = (here[quantity] - row.best).abs().groupby(here.source).max()
+        return [
+            name
+            for name, share in shares.items()
+            if share < LEAST_SHARE and moves.get(name, 0.0) > max(least, ROUNDING)
+        ]
+
+    def share_text(self, cycle: int, quantity: str, name: str) -> str:
+        """Format the share of a source, as "60 %" or "undetermined"."""
+        if name in self.undetermined_shares(cycle, quantity):
+            return UNDETERMINED
+        return f"{100.0 * self.ranges.loc[(cycle, quantity), name]:.0f} %"
+
+    def _random_joints(self) -> int:
+        """Return how many joints with random values of all sources were simulated."""
+        return int(self.results[self.results.source == ALL].value.nunique())
+
     def _shares(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "registration 60 %"."""
-        shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
-        known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
-        return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
+        shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna().astype(float)
+        shown = shares[shares >= LEAST_SHARE].sort_values(ascending=False).index
+        names = [*shown, *self.undetermined_shares(cycle, quantity)]
+        return ", ".join(
+            f"{TITLES[name]} {self.share_text(cycle, quantity, name)}" for name in names
+        )
 
 
 def _shown(*values: float) -> tuple[str, ...]:

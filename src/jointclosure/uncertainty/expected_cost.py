@@ -54,7 +54,7 @@ class Cost(NamedTuple):
     def sentence(self, shape: tuple[int, int], spacing: float) -> str:
         """Describe the cost, and a coarser spacing that takes less."""
         ny, nx = shape
-        low, high = (_rounded(seconds) for seconds in self.seconds)
+        low, high = (rough_time(seconds) for seconds in self.seconds)
         return (
             f"{nx} x {ny} cells will take about {low} to {high} of processor time and "
             f"{1e-9 * self.memory:.1f} GB; {coarser(shape, spacing)}"
@@ -98,17 +98,33 @@ def expected_cost(
     sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
     if upper.size <= SMALL:
         return None
-    _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
-    seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
-    share = upper.size / cells
     variants = [] if single else list(variants_of(conditions, sources))
     least, most = (
-        factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
-        for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
+        seconds * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
+        for seconds, power in zip(
+            seconds_of_joint(upper, lower, conditions), EXPONENTS, strict=True
+        )
     )
     largest = max(upper.size, errors.cells if errors else 0)
     joints = 1 if single else threads_for(largest, workers)
     return Cost((least, most), BASE_BYTES + BYTES * largest * joints)
+
+
+def seconds_of_joint(
+    upper: np.ndarray, lower: np.ndarray, conditions: Conditions
+) -> tuple[float, float]:
+    """Estimate the smallest and largest processor time [s] of a joint of walls (y, x) [m].
+
+    A window of the walls is simulated, the whole of a small joint.
+    """
+    _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
+    seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
+    share = upper.size / cells
+    least, most = (
+        factor * seconds * share**power
+        for factor, power in zip((1.0 / SCATTER, SCATTER), EXPONENTS, strict=True)
+    )
+    return least, most
 
 
 def relative_cost(effects: Effects, numerics: Numerics) -> float:
@@ -134,7 +150,7 @@ def _time_of_window(
     return time.process_time() - start, upper[window].size
 
 
-def _rounded(seconds: float) -> str:
+def rough_time(seconds: float) -> str:
     """Format a rough time with one digit, in one unit."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= size:

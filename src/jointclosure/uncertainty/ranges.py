@@ -15,10 +15,11 @@ effects are added in the wider range with other choices, centred on the usual on
 The share of a source is its total index: the part of the variance that it takes part in, alone or
 together with others (Homma & Saltelli 1996). Variances of random sources are those among their
 draws, less that of the order of breakage, which is another one in any joint. What is then left of
-the departures is due to pairs of sources, in proportion to the products of their variances.
+the departures is due to pairs of sources, in proportion to the products of their variances: of
+those that vary in the random joints, as departures from the others cannot arise there.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -203,7 +204,8 @@ def _range_of(
     }
     random = {name: changes[name] for name in sources if sources[name].kind == "random"}
     row = dict(zip(NUMBERS, (best, *numbers), strict=True))
-    return row | total_indices(variances, random, float(departures.var()))
+    fixed = {n for n, source in sources.items() if source.kind == SHARED or not source.varied}
+    return row | total_indices(variances, random, float(departures.var()), fixed)
 
 
 @lru_cache
@@ -295,12 +297,16 @@ def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]
 
 
 def total_indices(
-    alone: Mapping[str, float], random: Mapping[str, np.ndarray], departures: float
+    alone: Mapping[str, float],
+    random: Mapping[str, np.ndarray],
+    departures: float,
+    fixed: Collection[str] = (),
 ) -> dict[str, float]:
     """Return the total index of each source in the variance of a result (see the module).
 
     ``alone`` are the variances by each source, ``random`` the changes of the result in the draws of
-    each random source, and ``departures`` is the variance of the departures.
+    each random source, and ``departures`` is the variance of the departures, in joints in which the
+    ``fixed`` sources did not vary.
     """
     scatter = {}
     for name, values in random.items():
@@ -312,11 +318,12 @@ def total_indices(
     most = departures / total if (total := sum(scatter.values())) > departures else 1.0
     variances = dict(alone) | {name: most * variance for name, variance in scatter.items()}
     left = departures - most * total
-    acting = {name: variance for name, variance in variances.items() if name != ORDER}
+    varied = {name: variance for name, variance in variances.items() if name not in fixed}
+    acting = {name: variance for name, variance in varied.items() if name != ORDER}
     whole = sum(acting.values())
     pairs = {name: variance * (whole - variance) for name, variance in acting.items()}
     if not any(pairs.values()):  # less than two sources act
-        pairs = variances
+        pairs = next((some for some in (acting, varied) if any(some.values())), variances)
         left = 0.5 * left
     products = 0.5 * sum(pairs.values()) or np.nan
     everything = sum(alone.values()) + departures or np.nan

@@ -75,22 +75,28 @@ class ClosedJoint(NamedTuple):
         return stress_table(self.history, table_levels(self.history, self.at))
 
     def __repr__(self) -> str:
-        ny, nx = self.pair.upper.shape
-        step = 1e3 * self.pair.spacing
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
         table = cycle_table(self.history)
         net, gross = (self._closures(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
-            f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
-            f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
-            f"({gross} mm gross) since {seating:g} MPa "
-            f"({self.conditions.load_text()}){failed}>"
+            f"<ClosedJoint: {self.description}, closes {net} mm net ({gross} mm gross) since "
+            f"{seating:g} MPa ({self.conditions.load_text()}){failed}>"
         )
 
     def __str__(self) -> str:
         """Return the line of `repr`, and below it the range of all results and its reasons."""
         return repr(self) if self.budget is None else f"{self!r}\n{self.budget}"
+
+    @property
+    def description(self) -> str:
+        """Rock, cells and size of the joint in words."""
+        ny, nx = self.pair.upper.shape
+        step = 1e3 * self.pair.spacing
+        return (
+            f"{rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells of "
+            f"{step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm)"
+        )
 
     @property
     def laws(self) -> JointLaws:
@@ -304,9 +310,10 @@ def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
     if errors and errors.noise[1] > 0.0:
         size = " to ".join(dict.fromkeys(f"{1e6 * noise:.2g}" for noise in errors.noise))
         lines.append(
-            f"at the shortest waves of the grid both walls together depart from a smooth spectrum "
-            f"or from each other by {size} um rms: noise of the scanner, and roughness too short "
-            "for the grid, which turning a wall interpolates; both are varied in the range"
+            f"at the shortest waves of the grid, both walls together depart from a smooth spectrum "
+            f"or from each other by {size} um rms. This is noise of the scanner, and roughness too "
+            "short for the grid, which is smoothed where a wall is turned. The range of the "
+            "results contains both"
         )
     return lines
 

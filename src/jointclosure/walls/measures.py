@@ -1,6 +1,7 @@
 """Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks."""
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
@@ -137,10 +138,9 @@ def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]
     slopes = np.array([rms["x"][0], rms["y"][0], both]) / spacing
     scaling = {"rms height": float(np.nanstd(heights))}
     scaling |= dict(zip(_SLOPES, slopes.tolist(), strict=True))
-    for lag in sorted({lag_of(relation.interval, spacing) for relation in RELATIONS.values()}):
-        if 0 < lag <= lags_of(min(heights.shape))[-1]:
-            squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
-            scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
+    for lag in lags_of_relations(spacing, int(lags_of(min(heights.shape))[-1])):
+        squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+        scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
     along_x = rms["second_x"] ** 2
     along_y = rms["second_y"] ** 2
     for name, values in zip(_EXPONENTS, (along_x, along_y, along_x + along_y), strict=True):
@@ -247,6 +247,20 @@ def lag_of(interval: float, spacing: float) -> int:
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
 
 
+def lags_beside(interval: float, spacing: float) -> tuple[int, ...]:
+    """Return the whole numbers of cells at an interval [m]: it, or those below and above it."""
+    if lag := lag_of(interval, spacing):
+        return (lag,)
+    below = int(interval / spacing)
+    return (below, below + 1) if below else ()
+
+
+def lags_of_relations(spacing: float, largest: int) -> list[int]:
+    """Return the numbers of cells, up to the largest, beside the intervals of `RELATIONS`."""
+    lags = {lag for one in RELATIONS.values() for lag in lags_beside(one.interval, spacing)}
+    return sorted(lag for lag in lags if lag <= largest)
+
+
 def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
     """Return the mean JRC of the walls (y, x) [m] of a joint; NaN if all are flat."""
     rough = [wall for wall in walls if rms_slope(wall, spacing) > 0.0]
@@ -263,14 +277,23 @@ def slope_over_interval(
 ) -> tuple[np.ndarray, str]:
     """Return the slope (n,) at an interval [m], and how it was found.
 
-    It is that of heights so far apart ("Z2 at" so many cells in ``scatter``), otherwise the
-    ``slope`` (n,) at the spacing [m], carried to the interval by the Hurst exponent.
+    It is that of heights so far apart ("Z2 at" so many cells in ``scatter``), or a power of the
+    distance between those of the numbers of cells below and above. Otherwise the ``slope`` (n,) at
+    the spacing [m] is carried to the interval by the Hurst exponent, of at most 1: no slope rises
+    with the distance.
     """
-    known = scatter.get(f"Z2 at {lag_of(interval, spacing)}")
-    if known is not None:
-        return known, f"Z2 at its {1e3 * interval:g} mm"
-    carried = slope * (interval / spacing) ** (hurst - 1.0)
-    return carried, f"Z2 carried from {1e3 * spacing:.4g} to its {1e3 * interval:g} mm by H"
+    lags = lags_beside(interval, spacing)
+    known = [scatter[f"Z2 at {lag}"] for lag in lags if f"Z2 at {lag}" in scatter]
+    if known and len(known) == len(lags):
+        if len(known) == 1:
+            return known[0], f"Z2 at its {1e3 * interval:g} mm"
+        share = math.log(interval / (lags[0] * spacing)) / math.log(lags[1] / lags[0])
+        ends = " and ".join(f"{1e3 * lag * spacing:.4g}" for lag in lags)
+        between = known[0] ** (1.0 - share) * known[1] ** share
+        return between, f"Z2 at its {1e3 * interval:g} mm between those at {ends} mm"
+    carried = slope * (interval / spacing) ** (np.minimum(hurst, 1.0) - 1.0)
+    by = "H" if np.ravel(hurst)[0] <= 1.0 else "H = 1"
+    return carried, f"Z2 carried from {1e3 * spacing:.4g} to its {1e3 * interval:g} mm by {by}"
 
 
 def jrc_of_relation(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
@@ -279,6 +302,9 @@ def jrc_of_relation(relation: Relation, slope: np.ndarray, how: str) -> tuple[np
     ``how`` describes how the slopes were found (`slope_over_interval`).
     """
     jrc = relation.jrc(slope)
-    inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
-    remark = f"{how}; holds for JRC {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
-    return jrc, remark if inside else f"{remark}: OUTSIDE"
+    least, most = relation.smallest_jrc, relation.largest_jrc
+    _, value, low, high, *_ = measure_of("", jrc)
+    remark = f"{how}; holds for JRC {least:g} to {most:g}"
+    if not least <= value <= most:
+        return jrc, f"{remark}: OUTSIDE"
+    return jrc, remark if least <= low <= high <= most else f"{remark}: the interval ends OUTSIDE"

@@ -273,7 +273,8 @@ class Fit(NamedTuple):
         return apart or self.orientation != other.orientation
 
     def __str__(self) -> str:
-        return f"{self.orientation} {self.correlation:.2f} at {self.angle:g} degrees"
+        angle = self.angle - 360.0 if self.angle > 180.0 else self.angle  # as that of a motion
+        return f"{self.orientation} {self.correlation:.2f} at {angle:g} degrees"
 
 
 def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:

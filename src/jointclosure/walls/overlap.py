@@ -115,7 +115,7 @@ def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
 
 def _check_size(shape: tuple[int, ...], spacing: float, more: str = "") -> None:
     if min(shape) < SMALLEST_SIDE:
-        cells = f"{max(shape[0], 0)} x {max(shape[1], 0)} cells (y, x) of {1e3 * spacing:.4g} mm"
+        cells = f"{max(shape[1], 0)} x {max(shape[0], 0)} cells (x, y) of {1e3 * spacing:.4g} mm"
         must = f"at least {SMALLEST_SIDE} along each side (is the grid spacing too large?)"
         raise InputError(f"the walls overlap in {cells}: {must}{more}")
 

@@ -216,9 +216,10 @@ def smoothing_of(
     along = [np.diff(wall, axis=axis) for axis in (0, 1)]
     steps = np.concatenate([(part - np.nanmean(part)).ravel() for part in along])
     measured, kept = (float(np.sqrt(np.nanmean(part**2))) / spacing for part in (rise, steps))
+    change = "smoothed" if kept < measured else "roughened"
     lost = (
-        "heights were interpolated between points: the rms slope at a distance of "
-        f"{1e3 * spacing:.4g} mm is {kept:.3g}, between points {measured:.3g} "
+        f"interpolation onto the grid {change} the wall: its rms slope over "
+        f"{1e3 * spacing:.4g} mm is {kept:.3g} instead of {measured:.3g} "
         f"({100.0 * (kept / measured - 1.0):+.2g} %)"
     )
     return (caution(lost),)

@@ -15,8 +15,8 @@ from jointclosure.walls.measures import (
     difference,
     hurst_of_squares,
     jrc_of_relation,
-    lag_of,
     lags_of,
+    lags_of_relations,
     measure_of,
     scattered,
     slope_over_interval,
@@ -249,9 +249,8 @@ def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
     scaling = {"rms height": float(np.nanstd(heights)), "Z2": rms(1) / spacing}
     scaling["Rp"] = float(np.nanmean(np.hypot(1.0, steps)))
     lags = lags_of(heights.size)
-    for lag in sorted({lag_of(relation.interval, spacing) for relation in RELATIONS.values()}):
-        if 0 < lag <= lags[-1]:
-            scaling[f"Z2 at {lag}"] = rms(lag) / (lag * spacing)
+    for lag in lags_of_relations(spacing, int(lags[-1])):
+        scaling[f"Z2 at {lag}"] = rms(lag) / (lag * spacing)
     second = np.array([rms(lag, 2) ** 2 for lag in lags])
     bent = second > 0.0  # not where heights repeat
     scaling["H"] = hurst_of_squares(lags[bent], second[bent])

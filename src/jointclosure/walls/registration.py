@@ -71,6 +71,10 @@ _SIGNS = (1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)
 """Signs by which each orientation multiplies x, y and z of the upper wall's scan."""
 _FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
 """The same as matrices (3, 3), by the names of the orientations."""
+_TURNED_OVER = (
+    "; angles count from a wall that was turned over about its x axis, so that a wall turned over "
+    "about its y axis is at 180 degrees"
+)
 
 
 class FineWalls(NamedTuple):
@@ -585,7 +589,7 @@ def _oriented_fit(
     how = "found" if orientation is None else "stated"
     report.append(
         f"orientation of the upper wall, {how}: {used} ({ORIENTATIONS[used]}); slopes correlate by "
-        f"{', '.join(map(str, fits))}"
+        f"{', '.join(map(str, fits))}{_TURNED_OVER if used == 'turned_over' else ''}"
     )
     wrong = used != best.orientation
     if clear and wrong:
@@ -634,7 +638,7 @@ def _registered_pair(
     together = upper + lower
     aperture = together.max() - together
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
-    cells = f"{upper.shape[0]} x {upper.shape[1]} cells (y, x) of {1e3 * spacing:.4g} mm"
+    cells = f"{upper.shape[1]} x {upper.shape[0]} cells (x, y) of {1e3 * spacing:.4g} mm"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     if fit.fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
@@ -687,7 +691,7 @@ def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
         "seating, not those from first touch"
     )
     return [
-        f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
+        f"at first touch, at cell (x, y) = ({x}, {y}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm; {exact}",
         caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
     ]
@@ -723,8 +727,8 @@ def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
         )
     if overlap.cut > 0:
         doubts.append(
-            f"{overlap.cut} cells in holes of a scan are left out: the walls are the largest "
-            f"rectangle without them, {share:.0f} % of the smaller scan (see largest_filled_share)"
+            f"{overlap.cut} cells in large holes of a scan were left out: the joint is the largest "
+            f"rectangle without such holes, {share:.0f} % of the smaller scan"
         )
     if both and max(overlap.shares) < LEAST_OVERLAP:
         question = (

@@ -204,11 +204,10 @@ def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
     empty = int((~occupied).sum())
     inside = int(gaps(occupied).sum())
-    about = f"{empty} of {occupied.size} nodes of the points' grid have no point"
     if inside <= MOST_AMBIGUOUS * occupied.size:
-        return (about,) if empty else ()
-    share = f"{inside} of them inside the wall ({100 * inside / occupied.size:.2g} %)"
-    return (caution(f"{about}, {share}: is the file incomplete?"),)
+        return (f"{empty} of {occupied.size} heights are missing",) if empty else ()
+    share = f"{inside} of {occupied.size} heights ({100 * inside / occupied.size:.2g} %)"
+    return (caution(f"{share} are missing inside the wall; the file may be incomplete"),)
 
 
 def _find_axis(values: np.ndarray, apart: float) -> _Axis | None:
