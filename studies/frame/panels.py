@@ -174,10 +174,10 @@ def panels(
     for panel, row in zip(grid[:, 0], rows, strict=True):
         panel.set_ylabel(fill(row.label, 28))
     if len(legends) > 1:
-        for axes, (lines, handles) in zip(grid[0], list(legends.items()), strict=True):
-            if len(handles) <= _INSIDE:
-                axes.legend(handles=handles, title=HEADINGS.get(lines, lines), frameon=False)
-                del legends[lines]
+        for axes, lines in zip(grid[0], [column.lines for column in columns], strict=True):
+            if lines in legends and len(legends[lines]) <= _INSIDE:
+                title = HEADINGS.get(lines, lines)
+                axes.legend(handles=legends.pop(lines), title=title, frameon=False)
     sides = ["center"] if len(legends) == 1 else ["left", "right"]
     for side, (lines, handles) in zip(sides, legends.items(), strict=False):
         fit = _fitting(handles, figure.get_figwidth() / len(legends))
