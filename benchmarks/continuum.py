@@ -33,7 +33,8 @@ from jointclosure.joint.history import history_of
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of
-from jointclosure.storage.files import write, write_csv
+from jointclosure.storage.files import write_csv
+from jointclosure.storage.folders import write
 from studies.frame.settings import walls_of
 
 BRANCHES = ("loading", "unloading", "reloading")

@@ -17,6 +17,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from jointclosure.ensembles.quantities import HEADINGS, QUANTITIES
 from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.verdicts import frequency
 from jointclosure.storage.files import read_csv
 
 ROOT = Path(__file__).parents[2]
@@ -89,6 +90,12 @@ def pm(row: dict, name: str, error: str = "", scale: float = 1.0) -> str:
     return "" if pd.isna(value) else rounded(scale * value, scale * doubt)
 
 
+def counted(count: float, total: float) -> str:
+    """Format a count of a total with the 95 % interval (Wilson) of its share."""
+    share = frequency(int(count), int(total))
+    return f"{int(count)} of {int(total)} ({100 * share.low:.0f} to {100 * share.high:.0f} %)"
+
+
 def origin(run: str) -> dict:
     """Return the origin of the stored results of a run: commit, date, configuration."""
     return json.loads((folder_of(run) / "origin.json").read_text(encoding="utf-8"))
@@ -118,6 +125,7 @@ def made(template: Path) -> str:
     others = [path for path in parts if path.parent.name not in STUDIES.values()]
     jinja.globals |= {
         "rows": rows, "groups": groups, "ends": ends, "pm": pm, "origin": origin,
+        "counted": counted,
         "use": import_module, "headings": HEADINGS, "quantities": QUANTITIES,
         "others": [str(path.relative_to(ROOT)) for path in others],
     }  # fmt: skip

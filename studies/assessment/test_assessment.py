@@ -1,4 +1,4 @@
-"""Assessments of a study's rocks: which joints are closed, and the tables of them."""
+"""Assessments of a study's rocks, from the joints that are closed to their tables."""
 
 import numpy as np
 import pandas as pd
@@ -55,7 +55,7 @@ def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):
     np.testing.assert_array_equal(mirrored, plain[:, :, ::-1])
 
 
-def test_errors_are_drawn_with_their_sign_and_their_95_percent_intervals(tables):
+def test_errors_are_drawn_with_their_95_percent_intervals(tables):
     table = tables["assessment"]
     figure = draw_assessment_price(tables, {"within": 0.05, "titles": {"slate": "Slate"}})
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]

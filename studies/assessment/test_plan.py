@@ -54,8 +54,11 @@ def test_a_larger_share_closes_more():
     assert set(few.ladder) < set(many.ladder)
 
 
-def test_no_more_joints_are_closed_than_stated_and_than_the_study_has():
+def test_no_more_joints_are_closed_than_stated():
     assert planned(study_of({"assessment": {"share": 0.99, "joints": 3}})).joints == 3
+
+
+def test_no_more_joints_are_closed_than_the_study_has():
     changes = {"study": {"realizations": 2, "pool": 1000}, "assessment": {"share": 0.99}}
     assert planned(study_of(changes)).joints == 2
 
@@ -112,3 +115,11 @@ def test_a_study_in_which_nothing_breaks_compares_effects_only():
 def test_the_dataset_does_not_depend_on_the_assessment():
     keys = [closed_keys(study_of(one).stated) for one in ({}, {"assessment": None})]
     assert keys[0] == keys[1]
+
+
+def test_an_effect_without_which_a_joint_takes_long_is_compared_where_the_share_allows_all():
+    few, many = (
+        {point.coordinates["variant"] for points in plan.points.values() for point in points}
+        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.1))
+    )
+    assert many - few >= {"without gouge"}

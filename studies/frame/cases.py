@@ -24,8 +24,10 @@ from studies.frame.settings import (
     surface_settings,
 )
 
-BLOCK, FEW = 10, 4
-"""Realisations in a block of a requested accuracy: with the study's and the finest numerics."""
+BLOCK = 10
+"""Realisations in a block of a requested accuracy with the numerics of the study."""
+FEW = 4
+"""Realisations in a block of a requested accuracy with the finest numerics."""
 JOB_SECONDS = 300.0
 """Approximate processor time [s] of a job that simulates joints."""
 
@@ -116,8 +118,8 @@ def blocks_of(whole: Configuration, realizations: int | None = None) -> list[ran
     """Split the realisations of every case into blocks, one for each job.
 
     Blocks have ``study.realizations_per_job`` realisations. If this is null, they take about
-    `JOB_SECONDS`. A requested accuracy gives ``realizations``, which grow; its blocks have `BLOCK`
-    realisations (`FEW` with the finest numerics), so that complete blocks remain the same.
+    `JOB_SECONDS`. For a requested accuracy, which gives a growing number of ``realizations``, they
+    then have `BLOCK` realisations (`FEW` with the finest numerics): complete blocks do not change.
     """
     study = whole.study
     last = realizations or study.realizations

@@ -17,8 +17,10 @@ from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.plotting.style import decimal_ticks, panel_grid, styled, ticks_at
 
 _LOG_TICKS = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
-_KEY, _LETTER = 0.7, 0.07
-"""Widths [inches] of an entry of a legend without its text, and of a letter."""
+_KEY = 0.7
+"""Width [inches] of an entry of a legend without its text."""
+_LETTER = 0.07
+"""Width [inches] of a letter of a legend."""
 
 
 def key(label: str, **style) -> Line2D:
@@ -82,7 +84,7 @@ class Row(NamedTuple):
 
 
 class PanelColumn(NamedTuple):
-    """Column of panels: the column of tables ``along`` its axis, and that with a line per value.
+    """Column of panels over a column ``along`` of tables, with a line for each value of ``lines``.
 
     Only rows with the values ``where`` are drawn. ``scale`` is linear, log or symlog; if it is log,
     0 and infinity are drawn at its ends. The row with the values ``level`` is drawn across the

@@ -1,4 +1,4 @@
-"""A change of what a result depends on is noticed; a split of the work changes nothing."""
+"""Joints of a study depend on their settings, and not on how the work is split."""
 
 import itertools
 import shutil
@@ -71,7 +71,7 @@ def test_large_joints_are_split_into_more_jobs_by_their_expected_time(side):
     assert (len(blocks) > 1) == (20 * expected_seconds(study) > JOB_SECONDS)
 
 
-def test_blocks_of_an_accuracy_are_added_and_none_changes():
+def test_blocks_of_an_accuracy_are_only_added():
     study = study_of({"study": {"accuracy": {"within": 0.1}}})
     first = blocks_of(study, 20)
     more = blocks_of(study, 50)
@@ -146,7 +146,7 @@ def test_all_that_joints_depend_on_is_in_their_key():
         assert joints_key(same, "code") == joints_key(low, "code")
 
 
-def test_surfaces_depend_on_no_property_of_the_rock_and_on_no_numerics():
+def test_surfaces_depend_neither_on_the_rock_nor_on_numerics():
     low = point_of("slate-jrc-low", range(4))
     for edit, same in zip(CHANGES, (0, 0, 0, 1, 1, 1, 1), strict=True):
         other = point_of("slate-jrc-low", range(4), edit)
@@ -189,9 +189,9 @@ def split(tmp_path_factory):
     return closed_in(tmp_path_factory.mktemp("split"), blocks)
 
 
-def test_a_split_over_jobs_changes_no_bit_and_few_rows_are_in_memory(
-    whole, split, tmp_path, monkeypatch
-):
+@pytest.fixture(scope="module")
+def by_few_rows(whole, tmp_path_factory):
+    """The small study, joined by no more than four rows, and the rows of each part."""
     sizes = []
 
     def watched(frame, path, regions, *how):
@@ -199,17 +199,30 @@ def test_a_split_over_jobs_changes_no_bit_and_few_rows_are_in_memory(
         sizes.extend(part.sizes["realization"] for _, part in parts)
         write_netcdf(frame, path, parts, *how)
 
-    monkeypatch.setattr(datasets, "write_netcdf", watched)
-    monkeypatch.setattr(datasets, "ROWS", 4)
-    study = joined(tmp_path, *whole)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(datasets, "write_netcdf", watched)
+        patch.setattr(datasets, "ROWS", 4)
+        return joined(tmp_path_factory.mktemp("joined"), *whole), sizes
+
+
+def test_few_rows_of_a_study_are_in_memory(by_few_rows):
+    study, sizes = by_few_rows
     assert set(sizes) == {4, 3}
     assert study.realization.values.tolist() == list(range(7))
     assert np.isfinite(study.max_closure.values).all()
+
+
+def test_a_split_over_jobs_changes_no_bit(by_few_rows, whole, split, tmp_path, monkeypatch):
+    monkeypatch.setattr(datasets, "ROWS", 4)
     assert len(split[0]) == 3 * len(whole[0])
-    assert differences(study, joined(tmp_path, *split)) == []
+    assert differences(by_few_rows[0], joined(tmp_path, *split)) == []
+
+
+def test_a_study_by_few_rows_is_that_of_all_rows_at_once(by_few_rows, whole):
     files, _, cases = whole
     at_once = join_cases(cases, [of_case(read_netcdf(file)) for file in files])
-    assert differences(study.drop_vars("scene"), at_once.drop_attrs(deep=False)) == [
+    study = by_few_rows[0].drop_vars("scene")
+    assert differences(study, at_once.drop_attrs(deep=False)) == [
         "attribute key: only in the first"
     ]
 
@@ -231,7 +244,7 @@ READERS = {
 
 @pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize("kind", ["damaged", "foreign", "another file", "twice", "missing"])
-def test_a_file_that_is_not_of_the_study_is_named_and_nothing_is_joined(
+def test_a_file_that_is_not_of_the_study_is_named_before_any_is_joined(
     split, tmp_path, kind, reader
 ):
     files, keys, cases = split
@@ -291,7 +304,7 @@ def test_an_edited_dataset_is_not_read_though_it_has_the_key(whole, tmp_path):
 # Joints that cannot be closed
 
 
-def test_an_error_names_its_realisation_and_the_command_that_repeats_it(monkeypatch):
+def test_an_error_names_the_command_that_repeats_its_realisation(monkeypatch):
     def failing(pair, reading):
         raise FloatingPointError("no number")
 

@@ -1,3 +1,6 @@
+"""What the configuration of a study may say, and the cases that it gives."""
+
+import functools
 import inspect
 import math
 import re
@@ -156,12 +159,12 @@ ACCURATE = {"accuracy": {"within": 0.1}}
      ({"study": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be less than 1"),
      ({"study": {"accuracy": {"within": 0.1, "of": "median"}}}, "mean, interval, stiffness")],
 )  # fmt: skip
-def test_an_error_names_the_key_its_value_and_what_is_allowed(change, printed):
+def test_an_error_names_its_key_with_what_is_allowed(change, printed):
     with pytest.raises(ConfigurationError, match=re.escape(printed)):
         study_of(change)
 
 
-def test_levels_beyond_three_are_named_and_ordered():
+def test_levels_beyond_three_are_named_in_their_order():
     cases = cases_of(study_of({"rocks": {"slate": {"levels": {"jrc": [4, 5, 8, 9]}}}}))
     jrc = [case for case in cases if case.rock == "slate" and case.parameter == "jrc"]
     assert [case.level for case in jrc] == ["level_1", "level_2", "level_4", "level_5"]
@@ -174,16 +177,27 @@ def seeds_by_case(study):
     return {case[1:4]: seeds_of(block)[0] for case, block in blocks}
 
 
-def test_common_draws_share_the_seeds_of_a_rock_and_other_cases_change_no_surface():
+@functools.cache
+def seeds_before_and_after(draws):
+    """Seeds by case of the default study, and of one with fewer rocks and levels."""
     fewer = {"study": {"rocks": ["slate", "dolerite"]},
              "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}}  # fmt: skip
-    for draws, different in (("independent", 36), ("common", 4)):
-        common = {"study": {"draws": draws}}
-        before, after = (seeds_by_case(study_of(common, each)) for each in ({}, fewer))
-        assert len(set(before.values())) == different
-        shared = set(before) & set(after)
-        assert len(shared) > 10
-        assert all(before[key] == after[key] for key in shared)
+    common = {"study": {"draws": draws}}
+    return [seeds_by_case(study_of(common, each)) for each in ({}, fewer)]
+
+
+@pytest.mark.parametrize(("draws", "different"), [("independent", 36), ("common", 4)])
+def test_only_common_draws_share_the_seeds_of_a_rock(draws, different):
+    before, _ = seeds_before_and_after(draws)
+    assert len(set(before.values())) == different
+
+
+@pytest.mark.parametrize("draws", ["independent", "common"])
+def test_other_cases_change_no_surface(draws):
+    before, after = seeds_before_and_after(draws)
+    shared = set(before) & set(after)
+    assert len(shared) > 10
+    assert all(before[key] == after[key] for key in shared)
 
 
 @pytest.mark.parametrize(("um", "m"), [(12.5, 12.5e-6), (1e-9, 1e-15), (1e22, 1e16), (0, 0.0)])
@@ -400,7 +414,7 @@ def test_a_title_is_written_as_it_is_typed():
     )
 
 
-def test_a_title_may_have_letters_and_signs_of_any_kind():
+def test_a_title_may_have_signs_of_any_kind():
     study_of({"rocks": {"slate": {"title": "Grès\u00a0des Vosges, 5 $ & 3 $ {x_1} 花崗岩"}}})
 
 
@@ -429,12 +443,17 @@ def found_in(change, **study):
 
 
 @pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_of_units_is_refused_and_a_key_takes_it_as_it_is(slip):
+def test_a_slip_of_units_is_refused(slip):
     change, printed = SLIPS[slip]
     (line,) = (line for line in found_in(change) if printed in line)
     assert "not usual of rock" in line
     assert "study.unusual_values: allow takes it as it is" in line
-    # it may contradict another key all the same
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_an_unusual_value_may_be_taken_as_it_is(slip):
+    """It may contradict another key all the same."""
+    change, _ = SLIPS[slip]
     assert not any("not usual" in line for line in found_in(change, unusual_values="allow"))
 
 

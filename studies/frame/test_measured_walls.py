@@ -1,4 +1,4 @@
-"""Scanned walls in a study: what its configuration may say, and the joints that are cut."""
+"""Scanned walls in a study: from what its configuration says to the joints that are cut."""
 
 import json
 
@@ -151,7 +151,7 @@ def test_rounding_of_inclined_walls_is_stored_with_them(rounded, scan):
 
 
 @pytest.mark.parametrize("together", [True, False])
-def test_warnings_of_scans_are_stored_with_the_walls_and_shown(together, tmp_path):
+def test_warnings_of_scans_are_shown_as_they_are_stored(together, tmp_path):
     upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.97, roll_off=None)
     files = {"upper": str(tmp_path / "upper.npz"), "lower": str(tmp_path / "lower.npz")}
     for file, wall in zip(files.values(), (upper, lower), strict=True):

@@ -1,4 +1,4 @@
-"""Points of an experiment: closed and read, and tables of them as plain data."""
+"""Points of an experiment, whose closed joints are tables of plain data."""
 
 import numpy as np
 import pandas as pd
@@ -59,12 +59,20 @@ def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, c
         assert joints[here].realization.tolist() == [0, 0, 1, 1]
 
 
-def test_a_table_of_joints_is_the_same_read_from_a_file_with_units_and_titles(closed, tmp_path):
-    write_netcdf(closed, tmp_path / "joints.nc")
-    stored = read_netcdf(tmp_path / "joints.nc")
+@pytest.fixture(scope="module")
+def stored(closed, tmp_path_factory):
+    file = tmp_path_factory.mktemp("stored") / "joints.nc"
+    write_netcdf(closed, file)
+    return read_netcdf(file)
+
+
+def test_joints_in_a_file_have_units_with_a_title(stored):
     assert stored.hysteresis.attrs["long_name"] == QUANTITIES["hysteresis"].title
     units = {name: stored[name].attrs.get("units") for name in ("max_closure", "hysteresis")}
     assert units == {"max_closure": "m", "hysteresis": "1"}
+
+
+def test_a_table_of_joints_is_the_same_read_from_a_file(closed, stored):
     before = as_table([closed])
     after = as_table([stored])
     pd.testing.assert_frame_equal(after[before.columns], before, check_dtype=False)
@@ -77,7 +85,7 @@ def test_points_of_a_job_may_differ_in_their_number_of_cycles(points):
     assert np.isfinite(joints.max_closure).all()
 
 
-def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
+def test_a_joint_that_failed_is_kept_with_its_status_alone(points, monkeypatch):
     def failing(upper, lower, conditions, **options):
         closed = close_walls(upper, lower, conditions)
         closed["status"] = closed.status + 128

@@ -82,7 +82,7 @@ def test_joints_of_a_pilot_are_taken_for_its_case_only():
 
 @pytest.mark.parametrize("rock", [{}, SCANNED], ids=["jrc", "scanned"])
 @pytest.mark.parametrize("tolerance", [1e-6, 0.95])
-def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(
+def test_joints_of_a_pilot_are_taken_instead_of_closed_again(
     monkeypatch, tmp_path, tolerance, rock
 ):
     (label, point), *_ = points_to(tolerance, **rock).items()

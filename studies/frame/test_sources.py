@@ -141,7 +141,7 @@ def test_every_script_that_computes_something_has_its_digest_in_the_rules():
     assert files == {*run, "key_table"}
 
 
-def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, unedited):
+def test_an_edit_reruns_the_rules_that_need_it_alone(copy, unedited):
     for file in (*EDITED, "jointclosure/statistics/indifference.py"):
         text = (copy.parent / file).read_text(encoding="utf-8")
         (copy.parent / file).write_text(f"{text}\nADDED = 1\n", encoding="utf-8")
@@ -171,7 +171,7 @@ def test_an_edited_description_closes_no_walls_again(copy, unedited):
     assert moved(unedited) == {"write_report"}
 
 
-def test_an_edited_title_of_a_quantity_closes_no_walls_again_and_is_drawn(copy, unedited):
+def test_an_edited_title_of_a_quantity_is_only_drawn_again(copy, unedited):
     assert with_other_texts(copy / "ensembles/quantities.py", "Quantity") > 10
     scripts = moved(unedited)
     assert {"draw_figures", "draw_experiment", "write_report"} <= scripts

@@ -24,11 +24,14 @@ DEFAULT = _STUDIES.parent / "config/default.yaml"
 PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"
 """The paper's Table 3."""
 
-_MOST_BYTES, _MOST_VALUES, _DEEPEST = 1_000_000, 100_000, 40
-"""Limits of a configuration file: its size, the number of its keys and values with all aliases
-expanded, and how deep they are nested. They are checked before the loader builds any value, since
-this takes memory and the stack.
-"""
+# Limits of a configuration file. They are checked before the loader builds any value, since this
+# takes memory and the stack.
+_MOST_BYTES = 1_000_000
+"""Largest size of the file."""
+_MOST_VALUES = 100_000
+"""Largest number of its keys and values, with all aliases expanded."""
+_DEEPEST = 40
+"""Deepest nesting of its keys."""
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
 
 

@@ -1,4 +1,4 @@
-"""Properties and open choices that vary together: the design, and what its closures tell."""
+"""Properties and open choices that vary together: their design, and the shares of each."""
 
 import numpy as np
 import pytest
@@ -155,26 +155,49 @@ def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design)
     assert (of_modulus.fit_over_noise > 2.0).all()
 
 
-def test_a_row_with_a_failed_simulation_is_left_out_and_few_rows_have_no_indices(world, design):
+@pytest.fixture(scope="module")
+def with_failures(design, world):
+    """Indices of a world with one failed simulation, and few rows of a rock's net closure."""
     broken = {name: each.copy(deep=True) for name, each in world.items()}
     for each in broken.values():
         each.max_closure[5, 2, 0, :] = np.nan
     broken["dolerite"].max_closure_net[5:, 2, 0, :] = np.nan
-    table = sensitivity.index_table(design, broken)
+    return sensitivity.index_table(design, broken)
+
+
+def test_a_row_with_a_failed_simulation_is_left_out(with_failures):
+    table = with_failures
     whole = table[(table.response == "max_closure") & (table.rows > 32)]
     assert (set(whole.rows), set(whole.left_out)) == ({63}, {1})
     assert whole.total.notna().all()
+
+
+def test_few_rows_that_are_left_have_no_indices(with_failures, design):
+    table = with_failures
     here = table[(table.rows == 64) & (table.cycle == 1)]
     assert (here.groupby(["rock", "response"]).size() == len(design.inputs) + 1).all()
     of_rocks = (set(here[here.rock == rock].response) for rock in ("slate", "dolerite"))
     assert set.difference(*of_rocks) == {"max_closure_net"}
 
 
-def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces(jobs):
+@pytest.fixture(scope="module")
+def of_one_row(jobs):
+    """Joints of the points of a row as a table, and on a grid."""
     points = [point for point in jobs["slate.0"] if point.coordinates["row"] == 2]
     joints = as_table([close_points(points, sensitivity.QUANTITIES)])
-    closed = sensitivity.by_rock(joints)["slate"]
+    return joints, sensitivity.by_rock(joints)["slate"]
+
+
+def test_joints_of_points_are_put_on_a_grid(of_one_row):
+    joints, closed = of_one_row
     assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}
+    second = closed.max_closure.sel(row=2, cycle=2)
+    for row in joints[joints.cycle == 2].itertuples():
+        assert second.sel(point=row.point, surface=row.realization - 4) == row.max_closure
+
+
+def test_joints_of_points_are_read(of_one_row):
+    _, closed = of_one_row
     assert (closed.status < 16).all()
     assert (closed.max_closure_net < closed.max_closure).all()
     # of these small joints some begin to land on the maximum below half of it: no first stiffness
@@ -182,9 +205,6 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces(jobs):
     assert read.sel(cycle=2).mean() > 0.8
     assert read.sel(cycle=1).any()
     assert (read | np.isnan(closed.compliance_net)).all()
-    second = closed.max_closure.sel(row=2, cycle=2)
-    for row in joints[joints.cycle == 2].itertuples():
-        assert second.sel(point=row.point, surface=row.realization - 4) == row.max_closure
 
 
 def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design):

@@ -1,4 +1,4 @@
-"""Mated, natural and non-mated walls: what is closed, and the shift that unmates."""
+"""Joints of mated, natural and non-mated walls, and the shift that unmates them."""
 
 import numpy as np
 import pandas as pd
@@ -16,12 +16,19 @@ def run(joints):
     return gridded(joints, ("wavelength", "shift", "realization"), EXPERIMENT.quantities)
 
 
-def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_unshifted(run):
-    first = run.sel(cycle=1).mean("realization")
-    still = first.max_closure_seated_net.sel(shift=0.0).values
+@pytest.fixture(scope="module")
+def first_closures(run):
+    return run.sel(cycle=1).mean("realization").max_closure_seated_net
+
+
+def test_walls_close_more_the_longer_the_mismatch(first_closures):
+    still = first_closures.sel(shift=0.0).values
     assert still.tolist() == sorted(still)
     assert still[-1] > 1.5 * still[0]
-    moved = first.max_closure_seated_net.sel(wavelength=1e-3).values
+
+
+def test_shifted_walls_close_more_than_unshifted_ones(first_closures):
+    moved = first_closures.sel(wavelength=1e-3).values
     assert moved[1] > 1.2 * moved[0]
 
 
@@ -77,16 +84,27 @@ def test_the_interval_of_that_shift_covers_it():
     assert np.mean(held) >= 0.75
 
 
-def test_walls_that_close_enough_without_a_shift_need_none_and_means_do_not_fall_with_it():
-    for closures, shift in (
-        ([1.0, 0.95, 1.0, 1.0], 0.0),
+def shift_of(closures):
+    """Shift [mm] that makes walls of given mean closures independent."""
+    (row,) = find_independence(
+        made_up(closures, 1e-9), {"tolerance": 0.1, "root_seed": 1}
+    ).itertuples()
+    return row.shift_mm
+
+
+def test_walls_that_close_enough_without_a_shift_need_none():
+    assert shift_of([1.0, 0.95, 1.0, 1.0]) == pytest.approx(0.0, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("closures", "shift"),
+    [
         ([1.0, 0.5, 0.96, 0.8], np.inf),  # isotonic: 0.88 from the second shift on
         ([1.0, 0.5, 0.96, 0.92], 1.0 - 0.04 / 0.44),
-    ):
-        (row,) = find_independence(
-            made_up(closures, 1e-9), {"tolerance": 0.1, "root_seed": 1}
-        ).itertuples()
-        assert row.shift_mm == pytest.approx(shift, rel=1e-6, abs=1e-6)
+    ],
+)
+def test_means_that_are_close_enough_do_not_fall_with_the_shift(closures, shift):
+    assert shift_of(closures) == pytest.approx(shift, rel=1e-6, abs=1e-6)
 
 
 def test_the_ends_of_that_shift_leave_out_a_fortieth_of_the_resamples_each():

@@ -165,7 +165,7 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
     for cheap, fine in zip(responses(study, TARGET), responses(finest, TARGET), strict=True):
         n = cheap.samples.shape[1]
         k = fine.samples.shape[1]
-        scale = 100.0 / abs(cheap.base)
+        scale = cheap.percent(1.0)
         estimate = _UNKNOWN
         if k > 2:
             pair = cheap._replace(samples=cheap.samples[:, :k])

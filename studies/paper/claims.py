@@ -167,9 +167,9 @@ class ClosureStatement(NamedTuple):
 
 
 def _shortest(percents: dict[str, np.ndarray], parameter: str, place: int = 0) -> np.ndarray:
-    """Return for each study (R,) whether the interval of a parameter is the shortest.
+    """Return for each study (R,) whether ``place`` other intervals are shorter than a parameter's.
 
-    It must be finite, and as many others as ``place`` must be shorter.
+    The interval of the parameter must be finite.
     """
     shorter = (np.array(list(percents.values())) < percents[parameter]).sum(axis=0)
     return (shorter == place) & np.isfinite(percents[parameter])

@@ -278,7 +278,7 @@ def _adjusted_interval(
         **_settings(response, statistics),
     )
     low, high, _, error = scatter
-    numbers = (length / size, 100.0 * length / response.base)
+    numbers = (length / size, response.percent(length))
     return dict(zip(_ADJUSTED, (*numbers, low / size, high / size, error / size), strict=True))
 
 
@@ -294,7 +294,7 @@ def _tested(response: Response, size: float, significance: float) -> dict:
         status = "extrapolated"
     return {
         "length": interval.length / size,
-        "percent": 100.0 * interval.length / response.base,
+        "percent": response.percent(interval.length),
         "root": interval.root / size,
         "extrapolated": interval.extrapolated,
         "status": status,

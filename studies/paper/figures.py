@@ -116,7 +116,7 @@ def measured_handles(measured: Measurements) -> list:
     return [key(color="0.1", lw=1.6, label="measured curve"), *fits] if measured.curves else []
 
 
-def _surfaces(study: xr.Dataset, seating_stress: float | None) -> str:
+def _surfaces_label(study: xr.Dataset, seating_stress: float | None) -> str:
     """Return the legend's text for the thin lines, which join closures at the stored stresses."""
     number = study.sizes["realization"]
     lowest = 1e-6 * float(study.stress[1])
@@ -229,7 +229,7 @@ def closure_figure(
     handles += [
         key(color="0.5", lw=2, label="surface closest to the mean, all steps of loading"),
         key(color="0.5", lw=2, ls="--", label="the same, unloading"),
-        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study, seating_stress)),
+        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces_label(study, seating_stress)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if seating_stress is not None:

@@ -79,7 +79,7 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     margin_rows = []
     for claim in CLAIMS:
         asked = {rock: of[claim.number] for rock, of in margins.items() if claim.number in of}
-        verdict, of_model = _true(claim, asked, sizes)
+        verdict, of_model = _verdict_on_model(claim, asked, sizes)
         row: dict = {"number": claim.number, "claim": claim.text, "section": claim.section}
         row |= {"paper": _papers_figures(claim, paper, set(sizes)), "remark": claim.remark}
         row |= {"verdict": verdict, "found_here": _yes(claim.found_in(study))}
@@ -182,7 +182,7 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estim
     return by_claim
 
 
-def _true(
+def _verdict_on_model(
     claim: Claim, asked: dict[str, dict[tuple, Estimate]], sizes: dict[str, int]
 ) -> tuple[str, list[dict]]:
     """Return the verdict on the model, and rows of the table of margins.

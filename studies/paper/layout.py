@@ -141,7 +141,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     return _by_cycle_and_rock(table.assign(text=texts), titles)
 
 
-def _shown(table: pd.DataFrame, titles: dict[str, str]) -> dict[str, str]:
+def _titles_in(table: pd.DataFrame, titles: dict[str, str]) -> dict[str, str]:
     """Return the titles of those rocks that are in a table."""
     return {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
 
@@ -173,7 +173,7 @@ def table_3_markdown(
     if is_paired(table):
         if elasticities is not None and len(elasticities):
             shown = elasticities.assign(text=elasticities.elasticity_shown)
-            rows = markdown_rows(_by_cycle_and_rock(shown, _shown(shown, titles)))
+            rows = markdown_rows(_by_cycle_and_rock(shown, _titles_in(shown, titles)))
             about = "d ln(mean maximum closure)/d ln(property), with standard errors."
             lines += ["**Elasticities**", "", *rows, "", about, ""]
         lines += [PAIRED_NOTE, ""]
@@ -182,7 +182,7 @@ def table_3_markdown(
     if "paper_length" in table:
         parts[f"The paper, {UNPAIRED_TEST}"] = ("paper_", table[table.in_paper])
     for heading, (column, part) in parts.items():
-        rows = markdown_rows(table_3(part, _shown(part, titles), column))
+        rows = markdown_rows(table_3(part, _titles_in(part, titles), column))
         lines += [f"**{heading}**", "", *rows, ""]
     lines.append(_note(table))
     return "\n".join(lines) + "\n"

@@ -15,7 +15,7 @@ from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.paper.claims import TARGET
 from studies.paper.closures import UNPAIRED
-from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
+from studies.paper.responses import RockSample, percent_of, rock_sample, rocks_of, sensitivities
 
 Entry = tuple[str, str, int]
 """Rock, parameter, cycle."""
@@ -92,7 +92,7 @@ def median_pool_error(lengths: Predictive, entry: Entry) -> float:
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
-def _with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
+def _error_with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
     """Return the standard error of a probability: that due to repetitions with that of the pool."""
     of_pool = float(repeated.pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
@@ -114,7 +114,7 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
         ("percent", lengths.model[0], "length of the indifference interval"),
         ("null_percent", lengths.null[0], "the same where no parameter has an effect"),
     ):
-        rows = [100.0 * drawn[key] / abs(lengths.bases[key]) for key in keys]
+        rows = [percent_of(drawn[key], lengths.bases[key]) for key in keys]
         values = np.array(rows, dtype=np.float32) if rows else np.empty((0, 0), dtype=np.float32)
         about = {"long_name": f"{text}, of the rock's own value", "units": "percent"}
         variables[name] = (("entry", "repetition"), values, about)
@@ -144,12 +144,12 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         row |= {"test": UNPAIRED, "base": base / unit.size}
         row |= {"pool": lengths_of_studies.pool[rock], "repetitions": lengths.size}
         row |= {name: value / unit.size for name, value in summary.items()}
-        row["median_percent"] = 100.0 * summary["median"] / base if base else np.nan
+        row["median_percent"] = percent_of(summary["median"], base)
         row["median_error"] = _median_error(lengths) / unit.size
         row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
         resampled = [drawn[entry] for drawn in lengths_of_studies.model[1:]]
         shares = [float(np.isinf(drawn).mean()) for drawn in resampled]
-        error = _with_pool(_error(share, lengths.size), shares, resampled)
+        error = _error_with_pool(_error(share, lengths.size), shares, resampled)
         row |= {"share_without_root": share, "share_error": error}
         row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
         if entry in published:
@@ -168,7 +168,7 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
         p = probability(of_pool, length * size)
         again = [probability(lengths, length * size) for lengths in resampled]
         error = sides * _error(p / sides, of_pool.size)
-        row |= {f"{prefix}p": p, f"{prefix}p_error": _with_pool(error, again, resampled)}
+        row |= {f"{prefix}p": p, f"{prefix}p_error": _error_with_pool(error, again, resampled)}
     return row
 
 
@@ -250,7 +250,7 @@ def _evaluated(
     (lengths, *resampled), further, again = (
         _tables(sets, entries) for sets in (drawn, twice, same)
     )
-    joined = max(len(lengths) // max(len(again[0]), 1), 1) if again else 1
+    joined = max(len(lengths) // len(again[0]), 1) if again else 1
     whole = [np.concatenate(again[i : i + joined]) for i in range(0, len(again), joined)]
     crossed, of_resampled, of_further, of_same = (
         [repeated.crossed_likelihoods(one, observed) for one in sets]
@@ -294,5 +294,5 @@ def _error(share: float, repetitions: int) -> float:
 def _median_error(lengths: np.ndarray) -> float:
     """Return half the range between quantiles one standard deviation of rank from the median."""
     off = 0.5 / np.sqrt(lengths.size)
-    low, high = np.quantile(lengths, [0.5 - off, min(0.5 + off, 1.0)], method="nearest")
+    low, high = np.quantile(lengths, [0.5 - off, 0.5 + off], method="nearest")
     return float(0.5 * (high - low)) if np.isfinite(high) else np.inf

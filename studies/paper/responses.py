@@ -128,6 +128,11 @@ def read_covariates(file: str, study: xr.Dataset) -> Covariates | None:
     return from_dataset(read_checked(file, study.attrs["key"])) if file else None
 
 
+def percent_of(length, base: float):
+    """Return a length in percent of a rock's value; NaN where that is 0, as Poisson's ratio may."""
+    return 100.0 * length / abs(base) if base else np.nan * length
+
+
 class Response(NamedTuple):
     """Closures ``samples`` (level, realization) [m] of a rock and cycle over a parameter.
 
@@ -167,6 +172,10 @@ class Response(NamedTuple):
             return paired_indifference_interval(levels, samples, *about, surfaces=surfaces)
         n = surfaces or self.samples.shape[1]
         return indifference_interval(levels, self.means, self.deviations, n, significance, base)
+
+    def percent(self, length):
+        """Return a length [SI] in percent of the rock's value; NaN where that is 0."""
+        return percent_of(length, self.base)
 
 
 class Levels(NamedTuple):

@@ -1,4 +1,4 @@
-"""Closed joints of a study: flow in its curves, table and checks; steps that figures draw."""
+"""Joints of a study in its curves, its checks and the tables of its flow."""
 
 import json
 
@@ -64,7 +64,7 @@ def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
     assert float(stored[level]) == crossing(closed.normal_stress.values[here], along, 1e6)
 
 
-def test_the_table_has_means_over_those_that_succeeded_and_reach_the_stress(studies):
+def test_the_table_of_flow_has_means_over_joints_whose_flow_is_known(studies):
     study = studies[True].copy(deep=True)
     study["status"][0, 1] = 16
     study["hydraulic_aperture"][0, 2, 0, 0, 0, 3] = np.nan
@@ -122,14 +122,24 @@ def test_joints_that_failed_are_no_joints_with_a_remark(with_remarks):
     assert set(remarked_joints(with_remarks).case) == {"slate-base"}
 
 
-def test_checks_say_which_cases_lie_outside_of_the_range_and_what_that_does(with_remarks):
-    found = check_results(with_remarks, study_of(TINY).numerics, 3).set_index("check").found
-    name = "simulations flagged outside_model_range"
-    assert found[name] == "4 of 6, in 2 cases"
-    assert found[f"{name} of slate-base"].startswith("1 of 3; mean maximum closure without them: ")
-    assert "cycle 1: -50 ± 10 %" in found[f"{name} of slate-base"]
-    assert "no joint is left" in found[f"{name} of {with_remarks.case.values[1]}"]
-    largest = found[f"largest change of a mean maximum closure without {name}"]
+OUTSIDE = "simulations flagged outside_model_range"
+
+
+@pytest.fixture
+def checks(with_remarks):
+    return check_results(with_remarks, study_of(TINY).numerics, 3).set_index("check").found
+
+
+def test_checks_say_which_cases_lie_outside_of_the_range(checks):
+    assert checks[OUTSIDE] == "4 of 6, in 2 cases"
+
+
+def test_checks_say_what_cases_outside_of_the_range_change(checks, with_remarks):
+    first = checks[f"{OUTSIDE} of slate-base"]
+    assert first.startswith("1 of 3; mean maximum closure without them: ")
+    assert "cycle 1: -50 ± 10 %" in first
+    assert "no joint is left" in checks[f"{OUTSIDE} of {with_remarks.case.values[1]}"]
+    largest = checks[f"largest change of a mean maximum closure without {OUTSIDE}"]
     assert largest == "-50 ± 10 % (slate-base, cycle 1)"
 
 
@@ -140,7 +150,7 @@ def test_the_report_counts_joints_outside_of_the_range_among_those_used(with_rem
     assert "-50 ± 10 % (Slate, cycle 1)" in outside["change"]
 
 
-def test_the_report_states_files_warnings_and_overlap_of_scanned_walls(with_remarks):
+def test_the_report_describes_scanned_walls(with_remarks):
     assert scanned_walls(with_remarks) == {}
     about = {"upper": {"file": "a.txt"}, "lower": {"file": "b.txt"}, "windows_side_by_side": 2}
     walls = {"slate": about | {"warnings": "upper wall: one\nlower wall: two"}}
@@ -154,9 +164,7 @@ def test_the_report_states_files_warnings_and_overlap_of_scanned_walls(with_rema
 
 
 @pytest.mark.parametrize("seating", [None, 5e5])
-def test_the_surface_closest_to_the_mean_is_drawn_by_its_steps_which_are_the_stored_ones(
-    studies, seating
-):
+def test_the_surface_closest_to_the_mean_is_drawn_by_its_stored_steps(studies, seating):
     study = studies[False]
     configuration = study_of(TINY)
     figure = figures.closure_figure(study, configuration.rocks, seating, 1.5)
@@ -179,8 +187,9 @@ def test_the_surface_closest_to_the_mean_is_drawn_by_its_steps_which_are_the_sto
                 np.testing.assert_allclose(read, 1e3 * closure, rtol=1e-6, atol=1e-9)
 
 
-def test_a_realisation_that_fails_is_named_and_left_out():
-    """Flat walls without substrate: a contact that nothing can carry."""
+@pytest.fixture(scope="module")
+def with_a_failure():
+    """Joints of which one has flat walls without substrate: a contact that nothing can carry."""
     changes = {"effects": {"substrate": False, "interaction": False}}
     point = point_of("slate-base", range(4), changes)
     pairs = list(point.walls())
@@ -189,14 +198,26 @@ def test_a_realisation_that_fails_is_named_and_left_out():
     lines = []
     repeat = "python -m studies repeat r slate-base"
     closed = close_joints(point, pairs, NAMES, report=lines.append, repeat=repeat)
+    return point.settings.case, closed, lines
+
+
+def test_a_realisation_that_fails_is_named(with_a_failure):
+    _, closed, lines = with_a_failure
     assert closed.status.values.tolist() == [0, 0, 64, 0]
+    assert "failed; to repeat it: python -m studies repeat r slate-base 2" in lines[2]
+    assert not any("failed" in line for line in lines[:2] + lines[3:])
+
+
+def test_a_realisation_that_fails_has_no_readings(with_a_failure):
+    _, closed, _ = with_a_failure
     for name, values in closed.isel(joint=2).data_vars.items():
         counted = name == "timing_simulation" or values.dtype.kind == "i"
         assert np.isfinite(values).all() if counted else np.isnan(values).all()
-    assert "failed; to repeat it: python -m studies repeat r slate-base 2" in lines[2]
-    assert not any("failed" in line for line in lines[:2] + lines[3:])
-    study = join_cases([point.settings.case], [of_case(closed)])
-    table = max_closure_table(study)
+
+
+def test_a_realisation_that_fails_is_in_no_mean(with_a_failure):
+    case, closed, _ = with_a_failure
+    table = max_closure_table(join_cases([case], [of_case(closed)]))
     good = closed.max_closure.values[[0, 1, 3]]
     assert table.samples.tolist() == [3, 3]
     np.testing.assert_allclose(table.max_closure_mean_mm, 1e3 * good.mean(axis=0), rtol=1e-14)

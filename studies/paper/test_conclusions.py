@@ -114,19 +114,32 @@ def test_a_negated_claim_holds_where_its_statement_does_not(monkeypatch):
     assert row.conclusion == DEPENDS
 
 
-def test_stored_evidence_gives_the_published_conclusions_and_none_leaves_them_empty():
+STORED = ROOT / "studies/paper/published"
+
+
+@pytest.fixture(scope="module")
+def published_claims():
+    return read_csv(STORED / "paper/claims.csv")
+
+
+@pytest.fixture(scope="module")
+def concluded(published_claims):
     """Readings and the range of JRC are finished inquiries: their stored tables are the input."""
-    stored = ROOT / "studies/paper/published"
-    claims = read_csv(stored / "paper/claims.csv")
     sampled = ROOT / "studies/global_sensitivity/published/global_sensitivity"
-    files = [stored / "jrc_range/jrc_range_claims.csv", stored / "conclusions/earlier_readings.csv"]
+    files = [STORED / "jrc_range/jrc_range_claims.csv", STORED / "conclusions/earlier_readings.csv"]
     files += [sampled / f"global_sensitivity_{name}.csv" for name in ("conclusions", "margins")]
-    published = read_csv(stored / "paper/conclusions.csv").set_index("number")
-    found = conclusion_table(claims, *map(read_csv, files)).set_index("number")
-    found = found.loc[published.index]
+    return conclusion_table(published_claims, *map(read_csv, files))
+
+
+def test_stored_evidence_gives_the_published_conclusions(concluded):
+    published = read_csv(STORED / "paper/conclusions.csv").set_index("number")
+    found = concluded.set_index("number").loc[published.index]
     assert found.conclusion.tolist() == published.conclusion.tolist()
     columns = [name for name in published if name.startswith(("jrc_", "choices_"))]
     pd.testing.assert_frame_equal(found[columns], published[columns])
-    alone = conclusion_table(claims)
-    assert alone.columns.tolist() == found.reset_index().columns.tolist()
+
+
+def test_conclusions_without_evidence_are_empty(published_claims, concluded):
+    alone = conclusion_table(published_claims)
+    assert alone.columns.tolist() == concluded.columns.tolist()
     assert alone.filter(like="jrc_").isna().all(axis=None)

@@ -30,6 +30,7 @@ from studies.paper.closures import indifference_table, max_closure_table
 from studies.paper.layout import (
     case_table,
     figure_text,
+    heading_of,
     interval_text,
     rock_table,
     table_3,
@@ -40,39 +41,62 @@ from studies.paper.predictive import lengths_dataset, predictive
 from studies.paper.report import content as report
 from studies.paper.report.page import sheet
 from studies.paper.responses import Covariates, known_covariates, measure_covariates
-from studies.paper.test_table_3 import study as three_surfaces
+from studies.paper.test_measured_fit import study as three_surfaces
 from tests.studied import DEFAULT, ROOT, keys_of, study_of
 from tests.world import world
 
 
-def test_table_3_marks_its_lengths_and_runs_no_command_of_a_title():
+@pytest.fixture(scope="module")
+def equal_lengths():
+    """Table 3 of two rocks, all of whose lengths are the same."""
     same = {"length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0, "samples": 20}
     columns = [(rock, name, cycle) for rock in "ab" for name in PROPERTIES for cycle in (1, 2)]
-    table = pd.DataFrame(columns, columns=["rock", "parameter", "cycle"]).assign(**same)
-    titles = {"a": "Rock A", "b": r"\input{/etc/passwd} 50 % & $x_1^2$"}
-    markdown = table_3_markdown(table, titles)
+    return pd.DataFrame(columns, columns=["rock", "parameter", "cycle"]).assign(**same)
+
+
+TITLES = {"a": "Rock A", "b": r"\input{/etc/passwd} 50 % & $x_1^2$"}
+
+
+def test_table_3_runs_no_command_of_a_title(equal_lengths):
+    markdown = table_3_markdown(equal_lengths, TITLES)
     assert r"| \\input\{/etc/passwd\} 50 % \& \$x\_1^2\$, cycle 1 |" in markdown
-    assert markdown.count("1.50 (15%)") == len(table)
-    assert markdown.count("1.00 (10%)") == len(table)
-    endless = table.assign(length_high=float("inf"), extrapolated=True)
-    assert "1.50*‡ (15%)" in table_3_markdown(endless, titles)
 
 
-def test_tables_1_and_2_have_every_level_and_the_file_of_a_measured_curve():
-    rocks = study_of({"rocks": {"slate": {"measured": {"file": "a.csv", "stress_unit": "MPa"}}}})
-    table = rock_table(rocks.rocks).set_index("rock")
+def test_table_3_marks_its_lengths(equal_lengths):
+    markdown = table_3_markdown(equal_lengths, TITLES)
+    assert markdown.count("1.50 (15%)") == len(equal_lengths)
+    assert markdown.count("1.00 (10%)") == len(equal_lengths)
+    endless = equal_lengths.assign(length_high=float("inf"), extrapolated=True)
+    assert "1.50*‡ (15%)" in table_3_markdown(endless, TITLES)
+
+
+@pytest.fixture(scope="module")
+def with_a_curve():
+    """The default rocks, of which one has a measured curve."""
+    measured = {"file": "a.csv", "stress_unit": "MPa"}
+    return study_of({"rocks": {"slate": {"measured": measured}}}).rocks
+
+
+def test_table_1_names_the_file_of_a_measured_curve(with_a_curve):
+    table = rock_table(with_a_curve).set_index("rock")
     assert table.measured["slate"] == "a.csv"
     assert table.measured.isna().sum() == 3
     assert table.youngs_modulus_GPa["siltstone"] == 28.5
-    table = case_table(rocks.rocks)
+
+
+def test_table_2_has_every_level(with_a_curve):
+    table = case_table(with_a_curve)
     assert len(table) == 4 * 4 * 3
     own = table[(table.rock == "siltstone") & (table.parameter == "youngs_modulus")]
     assert own.value.tolist() == [25, 28.5, 32]
     assert own.level.tolist() == ["low", "base", "high"]
     assert set(own.unit) == {"GPa"}
-    for title in ('=HYPERLINK("a")', "\t=1"):  # is no formula of a spreadsheet
-        slate = rocks.rocks["slate"]._replace(title=title)
-        assert rock_table({"slate": slate}).title.tolist() == ["'" + title]
+
+
+@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "\t=1"])
+def test_a_title_in_table_1_is_no_formula_of_a_spreadsheet(with_a_curve, title):
+    slate = with_a_curve["slate"]._replace(title=title)
+    assert rock_table({"slate": slate}).title.tolist() == ["'" + title]
 
 
 def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
@@ -246,17 +270,29 @@ def require_checks(table, note):
     runpy.run_path(str(script), {"snakemake": rule}, "__main__")
 
 
-def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(tmp_path):
-    table = tmp_path / "checks.csv"
-    note = tmp_path / "checks_passed.txt"
+@pytest.fixture
+def failed_check(tmp_path):
+    """Table of checks of which one failed, the note on those that pass, and the log's end."""
+    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
     pd.DataFrame([PASSED, FAILED], columns=COLUMNS).to_csv(table, index=False)
     with pytest.raises(SystemExit):
         require_checks(table, note)
-    last = Path(f"{note}.log").read_text().splitlines()[-1]
+    return table, note, Path(f"{note}.log").read_text().splitlines()[-1]
+
+
+def test_a_failed_check_ends_the_run_naming_it(failed_check):
+    table, _, last = failed_check
     assert last.startswith(f"failed: InputError: {table}: results fail their checks: ")
     assert last.endswith(" volume (pool): 2e-9 of it, required at most 1e-12")
     assert "least force" not in last
-    assert not note.exists()
+
+
+def test_a_failed_check_leaves_no_note(failed_check):
+    assert not failed_check[1].exists()
+
+
+def test_checks_that_pass_leave_a_note(tmp_path):
+    table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
     pd.DataFrame([PASSED, PASSED], columns=COLUMNS).to_csv(table, index=False)
     require_checks(table, note)
     assert note.read_text() == "2 checks that have a limit passed\n"
@@ -285,7 +321,7 @@ def test_the_surface_closest_to_the_mean_is_that_of_the_middle_curve():
 
 
 @pytest.mark.parametrize("most", [2e6, 1.9e6])  # the second is between two stored stresses
-def test_every_branch_starts_and_ends_where_its_cycle_does(most):
+def test_every_branch_has_the_ends_of_its_cycle(most):
     study = three_surfaces().assign_coords(max_normal_stress=("case", [most]))
     study["closure"] = study.closure.where(study.stress <= most)
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
@@ -301,7 +337,7 @@ def test_every_branch_starts_and_ends_where_its_cycle_does(most):
                     np.testing.assert_allclose(line[-1], (highest, 1e-6 * most))
 
 
-def test_no_straight_line_joins_zero_stress_and_the_first_stored_one():
+def test_no_straight_line_joins_zero_stress_to_the_first_stored_one():
     for branches in drawn_branches(three_surfaces()):
         for line in (line for lines in branches for line in lines):
             assert np.isnan(line[1, 0])
@@ -440,14 +476,37 @@ def test_a_failed_joint_takes_its_surface_out_of_the_change_on_common_surfaces()
     assert row.max_closure_change_mm == pytest.approx(left)
 
 
-def test_lengths_are_marked_by_what_is_doubtful_of_them_and_have_the_digits_of_their_error():
+def test_lengths_have_the_digits_that_are_not_doubtful():
     assert interval_text(1.2345, 12.3, "*") == "1.23* (12%)"
     assert interval_text(1.2345, 12.3, "", 0.2) == "1.23 ± 0.20 (12%)"
     assert interval_text(1.2345, 12.3, "", np.inf) == "1.2 (12%)"
     assert interval_text(np.nan, np.nan) == "–"
-    same = {"rock": "a", "length": 1.5, "percent": 15.0, "extrapolated": True}
+
+
+@pytest.mark.parametrize(
+    ("status", "text"),
+    [({}, "1.50* (15%)"), ({"status": "negative deviation at the root"}, "1.50† (15%)")],
+)
+def test_lengths_are_marked_by_what_is_doubtful_of_them(status, text):
+    same = {"rock": "a", "length": 1.5, "percent": 15.0, "extrapolated": True} | status
     columns = [(name, cycle) for name in PROPERTIES for cycle in (1, 2)]
     table = pd.DataFrame(columns, columns=["parameter", "cycle"]).assign(**same)
-    negative = table.assign(status="negative deviation at the root")
-    for marked, text in ((table, "1.50* (15%)"), (negative, "1.50† (15%)")):
-        assert set(table_3(marked, {"a": "A"}).to_numpy().ravel()) == {text}
+    assert set(table_3(table, {"a": "A"}).to_numpy().ravel()) == {text}
+
+
+def test_the_heading_of_a_property_has_its_symbol_and_unit_and_of_the_roughness_its_name():
+    assert heading_of("compressive_strength") == "Compressive strength σc (MPa)"
+    assert heading_of("jrc") == "Joint roughness coefficient (JRC)"
+
+
+def test_the_range_of_predicted_lengths_is_drawn_inside_its_axis(slate):
+    study, *_, lengths = slate
+    wide = lengths.copy(deep=True)
+    wide["percent"] = wide.percent * 1e6
+    paper = pd.DataFrame(columns=["rock", "parameter", "cycle", "paper_percent"])
+    figure = plotting.predictive_figure(wide, paper, study.rocks, 20)
+    lines = [line.get_data() for axes in figure.axes for line in axes.lines]
+    level = [x for x, y in lines if len(x) == 2 and y[0] == y[1]]
+    assert level
+    # up to the end of the axis, beyond which stands the share without a root
+    assert all((np.array(x) >= 0.5).all() and (np.array(x) <= 500.0).all() for x in level)

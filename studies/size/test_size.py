@@ -1,4 +1,4 @@
-"""The scale effect: nested patches, ratios, exponents, scalings, Barton and Bandis."""
+"""The scale effect: how readings of nested patches go with their size."""
 
 import numpy as np
 import pytest
@@ -26,15 +26,22 @@ def run(joints):
     return scale.runs_of(joints, list(ROLL_OFFS))["slate"]
 
 
-def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
-    whole = walls_of(6e-3, 0.25e-3)
-    for wall in whole:
+@pytest.fixture(scope="module")
+def whole_walls():
+    return walls_of(6e-3, 0.25e-3)
+
+
+def test_walls_of_the_largest_patch_have_the_slope_of_their_jrc(whole_walls):
+    for wall in whole_walls:
         assert wall.shape == (24, 24)
-        # at the spacing of the study they have the slope of their JRC, but for their plane
+        # at the spacing of the study, but for their plane
         assert rms_slope(wall, 0.25e-3) == pytest.approx(z2_of_jrc(6.5, 0.25e-3, 0.6), rel=0.01)
+
+
+def test_patches_and_coarser_grids_are_parts_of_the_same_walls(whole_walls):
     fine, coarse = (walls_of(1.5e-3, spacing, 1)[0] for spacing in (0.125e-3, 0.25e-3))
     assert (fine.shape, coarse.shape) == ((12, 12), (6, 6))
-    of_whole = whole[0][6:12, 6:12]
+    of_whole = whole_walls[0][6:12, 6:12]
     # but for their planes they are the same heights
     for other in (fine[::2, ::2], of_whole):
         assert max(np.ptp(np.diff(other - coarse, axis=axis)) for axis in (0, 1)) < 1e-12
@@ -73,36 +80,51 @@ def power_law(power, bend=0.0, surfaces=6):
     )
 
 
-def test_an_exponent_is_found_and_what_is_no_power_is_told():
-    table = scale.exponent_table({"rock": power_law(0.7)}, (2e-3, 2e-4))
-    straight = table[(table.reading == "max_closure") & (table.of == "patch")]
+def exponents_of(bend):
+    """Exponents of closures over the patch, which go as powers, bent or not."""
+    table = scale.exponent_table({"rock": power_law(0.7, bend=bend)}, (2e-3, 2e-4))
+    return table[(table.reading == "max_closure") & (table.of == "patch")]
+
+
+def test_an_exponent_is_found():
+    straight = exponents_of(0.0)
     assert straight.exponent.values == pytest.approx(0.7, abs=4 * straight.error.max())
     assert (straight.error < 0.01).all()
     assert (straight.p > 1e-3).all()
-    bent = scale.exponent_table({"rock": power_law(0.7, bend=0.1)}, (2e-3, 2e-4))
-    bent = bent[(bent.reading == "max_closure") & (bent.of == "patch")]
+
+
+def test_what_is_no_power_is_noticed():
+    bent = exponents_of(0.1)
     # the slope of size^2 between neighbours rises by 2 ln 2 times the bend
     assert bent.change.values == pytest.approx(0.2 * np.log(2.0), abs=0.01)
     assert (bent.p < 1e-3).all()
 
 
-def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_patch():
+@pytest.fixture(scope="module", params=["sizes", "sizes and spectra"])
+def collapse(request):
+    """What each scaling leaves of a power law between sizes, or between spectra too."""
     table = scale.collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
     table = table.query("reading == 'max_closure' and cycle == 1")
-    table = table.set_index(["between", "scaling"])
-    for between in ("sizes", "sizes and spectra"):
-        own = table.loc[between]
-        assert own.loc["none", "removed_percent"] == 0.0
-        assert own.loc["spacing", "removed_percent"] < 5.0
-        for scaling in ("patch length", "rms height"):
-            assert own.loc[scaling, "removed_percent"] > 99.0
-            assert own.loc[scaling, "largest_off_percent"] < 0.3
-        assert own.loc["none", "largest_off_percent"] == pytest.approx(70.0 * np.log(2), abs=0.3)
-        # closure goes as (rms height)^(0.7/0.5)
-        assert own.loc["rms height", "exponents"].startswith("rms_height 1.4")
+    return table.set_index(["between", "scaling"]).loc[request.param]
 
 
-def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
+def test_the_right_scaling_removes_the_spread(collapse):
+    assert collapse.loc["none", "removed_percent"] == 0.0
+    assert collapse.loc["spacing", "removed_percent"] < 5.0
+    for scaling in ("patch length", "rms height"):
+        assert collapse.loc[scaling, "removed_percent"] > 99.0
+    # closure goes as (rms height)^(0.7/0.5)
+    assert collapse.loc["rms height", "exponents"].startswith("rms_height 1.4")
+
+
+def test_the_right_scaling_carries_over_to_the_largest_patch(collapse):
+    for scaling in ("patch length", "rms height"):
+        assert collapse.loc[scaling, "largest_off_percent"] < 0.3
+    unscaled = collapse.loc["none", "largest_off_percent"]
+    assert unscaled == pytest.approx(70.0 * np.log(2), abs=0.3)
+
+
+def test_the_barton_bandis_law_of_a_longer_joint_is_softer(run):
     table = scale.barton_bandis_table({"slate": run}, BASE, {"slate": (6.5, 159e6, 5e6)}, 1.5)
     row = table[(table.reading == "kni_net") & (table.to_mm == 6) & (table.cycle == 1)].iloc[0]
     small = barton_bandis(6.5, 159e6, 1.5, 1)

@@ -104,7 +104,7 @@ def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[st
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
         for name, asked in outcome.case["must"].items():
-            failed += _extra(outcome, name, asked, cases)
+            failed += _broken_must(outcome, name, asked, cases)
     return failed
 
 
@@ -294,16 +294,16 @@ def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
         if case["message"] not in outcome.message:
             failed.append(f"message of the refusal lacks {case['message']!r}")
         return failed
-    failed += _judged(outcome)
+    failed += _beyond_limits(outcome)
     # a failed simulation has a status, but no closures
     if int(outcome.dataset.status) < FAILURE:
-        failed += _curve(outcome, tolerances)
+        failed += _wrong_in_dataset(outcome, tolerances)
     elif "max_closure" in outcome.dataset and np.isfinite(outcome.dataset.max_closure[-1]):
         failed.append("a failed simulation has a last closure")
     return failed
 
 
-def _judged(outcome) -> list[str]:
+def _beyond_limits(outcome) -> list[str]:
     """List the numbers of the oracle that exceed their limits."""
     worst = outcome.judge.worst
     limits = outcome.judge.limits
@@ -313,7 +313,7 @@ def _judged(outcome) -> list[str]:
     return [f"{name} {worst[name]:.3g}, at most {limits[name]:.3g}" for name in above]
 
 
-def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
+def _wrong_in_dataset(outcome, tolerances: dict[str, float]) -> list[str]:
     """List what is wrong in the dataset: numbers, stresses reached, remarks, closures."""
     data = outcome.dataset
     failed = []
@@ -396,7 +396,7 @@ The key states whether the number is 0 (true or false), at most ``within``, or f
 """
 
 
-def _extra(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
+def _broken_must(outcome: CaseOutcome, name: str, asked: Any, cases: dict[str, dict]) -> list[str]:
     """Return the text of a requirement under ``must`` that a case breaks, or an empty list."""
     number, words = EXTRA[name]
     compared: tuple = ()

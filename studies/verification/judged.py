@@ -34,13 +34,13 @@ class Judge:
         for name, value in verdict._asdict().items():
             limit = limits.get(name, 0.0)
             worst = self.worst.get(name, -np.inf)
-            if not _share(value, limit) <= _share(worst, self.limits.get(name, 0.0)):
+            if not _over_limit(value, limit) <= _over_limit(worst, self.limits.get(name, 0.0)):
                 self.worst[name] = value
                 self.limits[name] = limit
         self.states += 1
 
 
-def _share(value: float, limit: float) -> float:
+def _over_limit(value: float, limit: float) -> float:
     """Return a number over its limit; if the limit is 0 or infinite (no limit), the number."""
     return value / limit if 0.0 < limit < np.inf else value
 

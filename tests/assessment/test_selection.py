@@ -88,7 +88,7 @@ def test_what_frozen_walls_show_of_a_joint_in_which_nothing_breaks_is_its_change
     assert pilot.lost(ALL) > pilot.closed[FEWER][0].seconds  # frozen walls take time too
 
 
-def test_a_run_with_all_effects_shows_a_lower_bound_of_the_error_of_any_elastic_joint():
+def test_a_run_with_all_effects_bounds_the_error_of_elastic_joints_from_below():
     pair = joints(32, 1)[0]
     pilot = Pilot([pair], Conditions(SPACING, DOLERITE, 3e6, 2, 0.0).checked(), 20)
     gross = pilot.values(ALL, 1)[0, list(ASSESSED).index("max_closure")]
@@ -227,3 +227,64 @@ def test_effects_that_are_not_to_be_chosen_stay():
 def test_effects_stay_unless_a_tenth_of_the_time_is_saved(seconds, left_out):
     pilot = MadeUp([0.0] * 20, 10_000, (0.0, 0.01), seconds)
     assert pilot.test(("interaction",), ALL, 0.1)[0] is left_out
+
+
+@pytest.mark.parametrize(
+    ("full", "before"), [(ALL, ELASTIC), (ELASTIC, ELASTIC)], ids=["after breakage", "elastic"]
+)
+def test_frozen_walls_show_nothing_of_scenes_in_which_nothing_breaks(full, before):
+    pilot = MadeUp([0.0] * 20, 10_000, (0.5, 0.01))
+    pilot.effects = full
+    pilot.values(before, 1)
+    _, change, reason = pilot.test(("interaction",), before, 0.05)
+    assert "frozen walls" not in reason
+    assert np.abs(change.mean).max() < 0.5
+
+
+def test_what_frozen_walls_do_not_have_is_not_known_before_pairs_are_closed():
+    class WithoutStiffness(Pilot):
+        def read(self, joint):
+            values = super().read(joint)
+            if not joint.conditions.effects.breakage:
+                values[list(ASSESSED).index("stiffness_net")] = np.nan
+            return values
+
+    conditions = Conditions(SPACING, DOLERITE, 3e6, 1, 0.0)
+    pilot = WithoutStiffness(joints(24, 1), conditions.checked(), 20)
+    pilot.values(ALL, 1)
+    change = pilot.predicted(FEWER)
+    assert np.isinf(change.deviation).tolist() == [[name == "stiffness_net"] for name in ASSESSED]
+
+
+def test_the_scatter_that_is_expected_is_that_of_a_single_pair():
+    unknown = Change(np.zeros(SHAPE), np.full(SHAPE, np.inf))
+    change = unknown.updated(np.full((1, *SHAPE), 0.02))
+    np.testing.assert_allclose(change.mean, 0.02)
+    np.testing.assert_allclose(change.deviation, SCATTER)
+
+
+def test_effects_of_a_joint_without_a_closure_are_kept_without_a_test():
+    class Failed(MadeUp):
+        def read(self, joint):
+            return np.full(SHAPE, np.nan)
+
+    assert Failed([0.0]).screened(("interaction",), 0.05) == "cannot be computed"
+
+
+def test_cycles_to_different_stresses_are_not_alike_without_breakage():
+    pilot = MadeUp([0.0])
+    assert pilot.screened(("breakage", "gouge"), 0.05)
+    pilot.conditions = Conditions(SPACING, DOLERITE, [3e6, 0.0, 1e6]).checked()
+    assert pilot.screened(("breakage", "gouge"), 0.05) == ""
+
+
+def test_a_joint_without_an_effect_takes_no_more_breakage_steps_than_are_stated():
+    stated = Conditions(SPACING, DOLERITE, 10e6, 1, 0.0)
+    pilot = Pilot(joints(24, 1), stated.checked(), 180)
+    pilot.values(ALL, 1)
+    pilot.longer = 1e9
+    assert np.isfinite(pilot.values(FEWER, 1)).any()
+    pilot.closed.pop(FEWER)
+    few = stated.numerics._replace(most_breakage_steps=1.0)
+    pilot.conditions = pilot.conditions._replace(numerics=few)
+    assert np.isnan(pilot.values(FEWER, 1)).all()

@@ -26,7 +26,7 @@ from jointclosure.joint.tables import (
     stress_table,
 )
 from jointclosure.plotting.joint import engineering_figure
-from jointclosure.storage.files import write
+from jointclosure.storage.folders import write
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import SPACING, closed, on_softer_half_spaces
 

@@ -46,6 +46,7 @@ def nothing_is_computed(monkeypatch, inputs):
         (["simulate", "--without", "gravity"], "(see jointclosure simulate --help)"),
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
+        (["validate", "none.csv", *FIT[1:], "--cells", 12], "none.csv: file not found"),
         (["roughness", *WALL, "--picture", "a.gif"], "a.gif: must end in .png"),
         (
             ["validate", *FIT, "--cells", 12, "--shifts", "0.5"],

@@ -89,7 +89,7 @@ def test_stresses_of_a_table_lie_on_one_round_interval(seating, largest):
     assert 8 <= levels.size <= 22
 
 
-def test_the_stiffness_at_a_stress_does_not_depend_on_the_other_stresses_that_are_read(closed):
+def test_the_stiffness_at_a_stress_does_not_depend_on_others_that_are_read(closed):
     name = "normal_stiffness_net_MPa_per_mm"
     usual = stress_table(closed).set_index(["cycle", "branch", "normal_stress_MPa"])[name]
     named = table_levels(closed, [2e6, 2.3e6])

@@ -76,7 +76,7 @@ def errors_of(name: str, cells: int) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("name", SOLUTIONS)
-def test_elastic_joints_converge_to_the_continuum_with_the_first_power_of_the_spacing(name):
+def test_elastic_joints_converge_with_the_first_power_of_the_spacing(name):
     force, pressure = zip(*(errors_of(name, cells) for cells in (8, 16, 32)), strict=True)
     orders = np.log2(np.abs(force[:-1]) / np.abs(force[1:]))
     assert ((orders > 0.9) & (orders < 1.3)).all()

@@ -34,7 +34,7 @@ def named_least(refused) -> float:
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
-def test_walls_far_larger_than_a_displacement_step_are_refused_by_the_step_that_would_do(breakage):
+def test_walls_far_larger_than_a_displacement_step_are_refused_by_one_that_does(breakage):
     bounds = {"most_steps": 2000, "breakage": breakage}
     refused = r"displacement_step = 1.25e-05 m: .* most_steps = 2000; must be at least \S+ m"
     with pytest.raises(jc.InputError, match=refused) as stated:
@@ -49,7 +49,7 @@ def test_walls_far_larger_than_a_displacement_step_are_refused_by_the_step_that_
     assert int(ended.status) >= FAILURE
 
 
-def test_radii_at_which_resolved_breakage_crushes_all_are_refused_by_the_least_that_will_do():
+def test_radii_that_crush_all_are_refused_by_the_least_that_will_do():
     refused = "largest_radius = 0.00025 m: .* must be at least"
     with pytest.raises(jc.InputError, match=refused) as stated:
         closed(largest_radius=SPACING, breakage="resolved", strength_bound="none")
@@ -131,7 +131,7 @@ def test_the_strength_of_all_bases_has_the_band_in_which_contacts_rest(tolerance
     assert most == pytest.approx(base * (1.0 + 0.5 * BAND * tolerance) ** 1.5, rel=0.003)
 
 
-def test_no_joint_closes_beyond_the_closure_from_which_a_stress_counts_as_not_reached():
+def test_no_joint_closes_beyond_the_closure_that_counts_as_not_reached():
     """Neither flat walls, which close by their indentation alone, nor those that break away."""
     flat, rough, vanishing = 2 * [np.zeros((CELLS, CELLS))], pair(CELLS, 1), jc.Effects(gouge=False)
     for walls, stress, effects in (
@@ -155,7 +155,7 @@ def test_breakage_that_does_not_come_to_rest_in_many_rounds_is_a_failure(monkeyp
 
 
 @pytest.mark.parametrize("bounds", [{}, {"breakage": "resolved"}, {"effects": WITHOUT_GOUGE}])
-def test_walls_whose_highest_parts_must_all_be_crushed_are_refused_before_the_first_step(bounds):
+def test_walls_whose_peaks_must_all_be_crushed_are_refused_before_the_first_step(bounds):
     """Elastically the highest cell alone carries the stress; at its strength it takes many."""
     scale = 2.0 / float(np.ptp(np.add(*pair(CELLS, 1))))
     relief = [scale * wall for wall in pair(CELLS, 1)]

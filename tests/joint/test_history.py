@@ -129,7 +129,7 @@ LANDED = [0.0, 1.0, 2.0, 2.5, 2.6], [0.0, 1.0, 3.0, 3.9, 4.0]
 """Closures and stresses of a loading whose last whole step, of 1, ends at a stress of 3."""
 
 
-def test_only_loadings_beyond_a_former_maximum_by_fixed_steps_land_from_their_last_whole_step():
+def test_only_loadings_beyond_a_former_maximum_land_from_their_last_whole_step():
     once = [5]
     assert history_of(lab_history(*LANDED, once)).landing_stresses[0] == 3.0
     for changed in ({"breakage": "resolved"}, {"target": "interpolate"}):

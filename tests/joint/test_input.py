@@ -189,6 +189,17 @@ def test_slips_of_units_or_orientation_are_reported(change, printed):
     assert [text in line for text, line in zip(printed, found, strict=True)] == [True] * len(found)
 
 
+def test_symmetric_walls_that_fit_as_given_are_not_said_to_be_reversed():
+    drawn = jc.wall_pair(8.0, (40, 40), SPACING, seed=3, correlation=0.95, roll_off=None)
+    upper, lower = (wall + np.flip(wall, 0) for wall in drawn)
+    assert doubts(upper, lower, SPACING) == []
+
+
+def test_lenses_that_are_alike_are_no_walls_of_a_joint():
+    lens = joints.bump((24, 24), 0.05)
+    assert doubts(lens, lens, SPACING) == []
+
+
 def test_simulate_warns_once_unless_told_that_values_are_unusual():
     upper, lower = mates()
     stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "cycles": 1}

@@ -71,7 +71,7 @@ def test_every_branch_ends_where_the_load_turns(way, seed):
     assert any(short) == bool(int(history.status) & TARGET_JUMPED)
 
 
-def test_a_joint_is_out_of_range_where_more_than_a_tenth_is_on_contacts_that_cannot_break():
+def test_a_joint_is_out_of_range_with_over_a_tenth_on_unbreakable_contacts():
     flagged = []
     for seed, stress in ((2, 8e6), (4, 4e6), (6, 8e6), (9, 8e6)):
         history = joints.closed(pair(24, seed), stress, strength_bound="none")

@@ -63,6 +63,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         ("", "lab.csv: has no header"),
         (HEADER + "1,0.1x,1\n", "lab.csv, line 2: closure = '0.1x': must be a finite number"),
         (HEADER + "1,0.1,1.5\n", "lab.csv, line 2: cycle = 1.5: must be a whole number"),
+        (HEADER + '"1,5",0.1,1\n', "lab.csv, line 2: stress = '1,5': must be a finite number"),
         (HEADER + "1,0.1,0\n", "lab.csv, line 2: cycle = 0: must be a whole number of at least 1"),
         ("stress_MPa,stress_Pa,closure_mm,cycle\n1,1,1,1\n", "must be the only one of stress"),
         (HEADER + "1,0,1,1\n", "line 2: '1,0,1,1' has 4 values, the header has 3"),
@@ -350,6 +351,18 @@ def test_points_without_scatter_are_read_as_they_are():
     over, errors = readings_over_truth(curve)
     np.testing.assert_allclose(over, 1.0, rtol=1e-4)
     assert not errors.any()
+
+
+def test_a_log_that_ends_with_a_hold_at_its_largest_stress_is_a_loading_without_an_unloading():
+    rising = np.append(np.linspace(0.0, 1.0, 300), np.ones(60))
+    scatter = 1e-6 * np.random.default_rng(1).standard_normal(360)
+    line = np.arange(2, 362)
+    closure = 1e-4 * np.sqrt(rising) + scatter
+    curve = MeasuredCurve(10e6 * rising, closure, np.ones_like(line), line)
+    check_curve(curve, "log.csv", 0.5e6)
+    readings = readings_of_curve(curve, 0.5e6)
+    assert readings.unloaded == ()
+    assert np.isfinite(readings.values).all()
 
 
 def test_scatter_above_the_stated_closure_error_is_warned_of():

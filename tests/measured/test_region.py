@@ -275,7 +275,7 @@ def readings(values=()):
     return Readings(2, (1,), levels, 0.5e6, np.asarray(values), read)
 
 
-def test_errors_of_quantities_are_their_scatter_where_each_closure_is_measured_to_its_error():
+def test_errors_of_quantities_are_their_scatter_by_measured_closures():
     """First order; the closure that stays is that of the recovered one, whose error it has."""
     random, error = generator(1), 0.01
     exact = np.array([0.10, 0.15, 0.20, 0.05, 0.11, 0.13])
@@ -288,7 +288,7 @@ def test_errors_of_quantities_are_their_scatter_where_each_closure_is_measured_t
         assert float(one.values) == pytest.approx(np.median(other.values), rel=0.02)
 
 
-def test_the_interval_of_one_more_joint_is_students_with_the_error_of_the_measurement():
+def test_the_interval_of_one_more_joint_is_students_with_the_measuring_error():
     """About the mean of n joints: t s sqrt(1 + 1/n), in logarithms, of those that did not fail."""
     joints = np.exp(generator(3).normal(-9.0, 0.2, (1, 6, 6)))
     joints[0, 0] = np.nan

@@ -263,3 +263,17 @@ def test_limited_forces_are_complementary(small_joint, bound):
     inside = (found.force > 0.0) & ~at_limit
     np.testing.assert_allclose(gap[inside], 0.0, atol=1e-13)
     assert np.all(gap[found.force == 0.0] <= 1e-13)
+
+
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+@pytest.mark.parametrize("height", [5e-324, 1e-310])
+def test_walls_whose_heights_differ_by_denormal_numbers_close_as_flat_ones(height, breakage):
+    """Their contacts are locked: no share of such a drop is a number with any digits."""
+    weak = {"rock": DOLERITE._replace(compressive_strength=3e6), "breakage": breakage}
+    weak |= {"seating_stress": 0.0, "cycles": 1, "unusual_values": True}
+    heights = height * np.random.default_rng(1).integers(0, 2, (6, 6))
+    rough, flat = (
+        closed((upper, 0.0 * heights), 2e6, **weak) for upper in (heights, 0.0 * heights)
+    )
+    assert float(rough.breakage_steps) == 0.0
+    np.testing.assert_array_equal(rough.max_closure, flat.max_closure)

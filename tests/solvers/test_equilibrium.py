@@ -95,7 +95,7 @@ def test_sweeps_end_at_the_solution(swept):
     np.testing.assert_allclose(forces[-1], solved.force, atol=1e-6 * solved.force.max())
 
 
-def test_contacts_before_a_rigid_one_are_closed_to_their_force_though_a_longer_step_meets_it():
+def test_contacts_before_a_rigid_one_are_closed_to_their_force():
     """One of five alone would carry the force where the rigid contact is met already."""
     compliance = np.array([1e-8] * 5 + [0.0])
     overlap = np.array([0.0] * 5 + [-0.5e-8])
@@ -239,3 +239,30 @@ def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypat
     from_half = curve_of(walls)
     assert int(from_half.solver_iterations) > int(curve.solver_iterations)
     np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_curve_whose_only_candidate_is_the_highest_cell_is_that_of_all_cells(
+    scene, small_joint, monkeypatch
+):
+    curves = []
+    for count in (1, 10**6):
+        monkeypatch.setattr(elastic, "_FIRST_CANDIDATES", count)
+        curves.append(curve_of(small_joint, scene))
+    np.testing.assert_allclose(curves[0].closure, curves[1].closure, rtol=1e-9)
+    np.testing.assert_array_equal(curves[0].contact_fraction, curves[1].contact_fraction)
+
+
+def test_a_curve_ends_with_the_first_force_that_is_not_solved(small_joint, monkeypatch):
+    solve, targets = elastic.solve_equilibrium, []
+
+    def third_fails(influence, start, force, target, *more):
+        targets.append(target)
+        found = solve(influence, start, force, target, *more)
+        return found._replace(residual=1.0) if len(set(targets)) == 3 else found
+
+    monkeypatch.setattr(elastic, "solve_equilibrium", third_fails)
+    curve = curve_of(small_joint)
+    assert FLAGS[int(curve.status)] == "not_converged"
+    assert len(set(targets)) == 3
+    assert np.isnan(curve.max_closure).all()

@@ -157,7 +157,7 @@ def test_steps_follow_their_change_of_force_in_proportion_to_the_tolerance(toler
 
 
 @TOLERANCES
-def test_steps_that_follow_their_error_keep_between_a_largest_and_a_smallest_one(tolerance):
+def test_steps_that_follow_their_error_keep_within_their_limits(tolerance):
     control = StepControl(resolving(tolerance), GIVEN, TARGET, 0.0)
     step = GIVEN
     for _ in range(20):
@@ -228,7 +228,7 @@ def test_no_contact_of_an_idle_step_would_be_displaced_by_more_than_the_share(
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
-def test_the_interaction_of_a_joint_at_rest_is_that_of_its_forces_in_double_precision(breakage):
+def test_interaction_at_rest_is_that_of_the_forces_in_double_precision(breakage):
     """Products of the conjugate gradients are in single precision, and their sums drift."""
     numerics = jc.Numerics(breakage=breakage)
     joint = joint_of(32, 3, numerics)

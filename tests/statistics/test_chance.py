@@ -19,7 +19,7 @@ def measured_as(rows):
     return values, values
 
 
-def test_a_row_without_choice_scores_by_chance_as_often_as_the_binomial_distribution_says():
+def test_a_row_without_choice_scores_as_often_as_the_binomial_distribution_says():
     scores = chance_of_scores(VALUES, INTERVALS, measured_as([0, 0, 0, 1, 2]), np.arange(ROWS), 1)
     assert scores.score.tolist() == [3, 1, 1]
     exact = scipy.stats.binom.sf(2, QUANTITIES, 1.0 / ROWS)

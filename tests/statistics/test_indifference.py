@@ -101,13 +101,16 @@ def test_no_scatter_has_no_length():
     assert jc.indifference_interval(LEVELS, [1.1, 1.0, 0.9], [0.0] * 3, 20).length == 0.0
 
 
-def test_a_scatter_that_outgrows_the_mean_has_no_root_but_none_at_the_base_a_length_of_0():
-    levels = np.array([-1.0, 0.0, 1.0])
-    found = jc.indifference_interval(levels, [0.1, 0.0, 0.1], [2.0, 1.0, 2.0], 20)
+def test_a_scatter_that_outgrows_the_mean_has_no_root():
+    found = jc.indifference_interval([-1.0, 0.0, 1.0], [0.1, 0.0, 0.1], [2.0, 1.0, 2.0], 20)
     assert np.isnan(found.length)
     assert not found.extrapolated
-    found = jc.indifference_interval(levels, [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
-    assert found.length == 0.0  # S ~ u^2 against x ~ u: the smallest change is significant
+
+
+def test_no_scatter_at_the_base_leaves_a_length_of_zero():
+    """S ~ u^2 against x ~ u: the smallest change is significant."""
+    found = jc.indifference_interval([-1.0, 0.0, 1.0], [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
+    assert found.length == 0.0
 
 
 def exact_length(levels, means, deviations, n, critical):

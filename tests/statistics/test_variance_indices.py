@@ -145,3 +145,13 @@ def test_indices_of_rows_are_fitted_without_them():
         assert np.isfinite(shares).all() == (one.variance > 0.0)
         assert np.isnan(shares).all() == (one.variance == 0.0)
     assert 0.2 < np.mean([variance == 0.0 for variance in below]) < 0.8
+
+
+def test_many_fitted_functions_explain_nothing_of_the_noise_of_other_rows():
+    """Fitted to the rows themselves, they would find a variance above 0 in three of four noises."""
+    random = np.random.default_rng(3)
+    above = 0
+    for number in range(60):
+        noise = random.standard_normal((16, 5, 2))
+        above += variance_indices(sampled_rows(3, 16, number), noise, (4, 4, 4)).variance > 0.0
+    assert above <= 30

@@ -15,7 +15,7 @@ import xarray as xr
 from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
 from jointclosure.plotting.style import subplots
-from jointclosure.storage import files
+from jointclosure.storage import files, folders
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from tests.processes import python
@@ -257,10 +257,10 @@ def some_files(*names):
 def folder(tmp_path):
     """A folder of files of two commands, of a page that was added, and of what a user put there."""
     folder = tmp_path / "joint"
-    files.replace_files(folder, "close", some_files("b", "a", "export"))
-    assert files.check_record(folder) == {"close": ["a", "b", "export"]}
-    files.replace_files(folder, "fit", some_files("fit"))
-    files.add_file(folder, "close", "page")
+    folders.replace_files(folder, "close", some_files("b", "a", "export"))
+    assert folders.check_record(folder) == {"close": ["a", "b", "export"]}
+    folders.replace_files(folder, "fit", some_files("fit"))
+    folders.add_file(folder, "close", "page")
     (folder / "page").touch()
     (folder / "notes").write_text("mine")
     return folder
@@ -268,15 +268,15 @@ def folder(tmp_path):
 
 def test_files_stay_where_those_in_their_place_cannot_be_written(folder):
     with pytest.raises(TypeError, match="not JSON serializable"):
-        files.replace_files(folder, "close", {"a": "half", "b": object()})
+        folders.replace_files(folder, "close", {"a": "half", "b": object()})
     assert (folder / "a").read_text() == "a of 3"
 
 
 def test_only_files_of_an_earlier_run_of_a_command_go(folder):
-    files.replace_files(folder, "close", some_files("a", "b"))
-    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", files.RECORD]
+    folders.replace_files(folder, "close", some_files("a", "b"))
+    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", folders.RECORD]
     assert (folder / "a").read_text() == "a of 2"
-    assert files.check_record(folder)["close"] == ["a", "b"]
+    assert folders.check_record(folder)["close"] == ["a", "b"]
 
 
 @pytest.mark.parametrize("text", ['{"close": ["../outside"]}', "[1]", '{"close": [3]}', "no"])
@@ -284,10 +284,10 @@ def test_a_record_that_is_none_is_refused_before_anything_is_removed(tmp_path, t
     (tmp_path / "outside").write_text("mine")
     folder = tmp_path / "joint"
     folder.mkdir()
-    (folder / files.RECORD).write_text(text)
-    for refused in (lambda: files.replace_files(folder, "close", some_files("a")),
+    (folder / folders.RECORD).write_text(text)
+    for refused in (lambda: folders.replace_files(folder, "close", some_files("a")),
                     lambda: writable((), folder)):  # fmt: skip
-        with pytest.raises(InputError, match=f"{files.RECORD}: must be a JSON object"):
+        with pytest.raises(InputError, match=f"{folders.RECORD}: must be a JSON object"):
             refused()
     assert (tmp_path / "outside").exists()
 
@@ -295,9 +295,9 @@ def test_a_record_that_is_none_is_refused_before_anything_is_removed(tmp_path, t
 def test_all_formats_of_a_figure_have_one_layout(tmp_path):
     figure, axes = subplots(1, 1, figsize=(3.0, 2.0))
     axes.set_ylabel("closure (mm)")
-    files.write(figure, tmp_path / "figure.png")
+    folders.write(figure, tmp_path / "figure.png")
     places = axes.get_position().bounds
-    files.write(figure, tmp_path / "figure.pdf")
+    folders.write(figure, tmp_path / "figure.pdf")
     assert axes.get_position().bounds == places
     assert places[0] > 0.1  # the label has room
 

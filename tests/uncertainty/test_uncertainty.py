@@ -67,13 +67,19 @@ def test_total_indices_are_those_of_a_product():
     assert sum(indices.values()) == pytest.approx(1.0 + both / total, rel=1e-3)
 
 
-def test_random_sources_have_no_more_than_the_departures_and_none_of_the_order():
+def test_random_sources_have_no_more_than_the_departures():
     draws = {"noise": np.array([0.0, 2.0]), ORDER: np.array([1.0, np.nan])}
     indices = total_indices({"a": 1.0}, draws, 1.0)  # 2.0 - 0.5 of noise, 0.5 of the order
     assert indices == pytest.approx({"a": 0.5, "noise": 0.375, ORDER: 0.125})
+
+
+def test_random_sources_without_scatter_have_no_more_than_nothing():
     quiet = total_indices({"a": 1.0}, {"noise": np.array([3.0, 3.0])}, 0.0)
     assert quiet == {"a": 1.0, "noise": 0.0}
-    assert np.isnan(total_indices({"a": 0.0}, {}, 0.0)["a"])  # nothing has a share in no range
+
+
+def test_total_indices_of_a_range_of_nothing_are_unknown():
+    assert np.isnan(total_indices({"a": 0.0}, {}, 0.0)["a"])
 
 
 def test_a_source_that_is_fixed_in_the_random_joints_has_no_part_in_their_departures():
@@ -182,19 +188,34 @@ def test_a_band_is_as_wide_as_the_range_of_the_same_results():
         np.testing.assert_allclose(bands[f"{name}_{number}"], expected, rtol=1e-12, atol=1e-12)
 
 
-def test_ranges_of_later_cycles_and_of_apertures_are_wider_and_bands_as_well():
-    """By the factors that pairs of known truth needed, on the scale of the range."""
+APERTURE = "mean_aperture_at_max_mm"
+
+
+@pytest.fixture(scope="module")
+def half_widths():
+    """Logarithmic widths of the ranges of two cycles with equal departures."""
     sources, shares, further, names, values = of_equal_departures()
     results = pd.concat(
         pd.DataFrame({"cycle": cycle, "source": names} | dict.fromkeys(QUANTITIES, values))
         for cycle in (1, 2)
     )
     widths = np.log(ranges_of(results, sources, shares, further)[["low", "high"]].astype(float))
-    half = widths.high - widths.low
-    aperture = "mean_aperture_at_max_mm"
-    assert half[2, CLOSURE] == pytest.approx(WIDENED_LATER * half[1, CLOSURE])
-    assert half[1, aperture] == pytest.approx(WIDENED["aperture"] * half[1, CLOSURE])
-    assert half[2, aperture] == pytest.approx(half[1, aperture])
+    return widths.high - widths.low
+
+
+def test_ranges_of_later_cycles_are_wider(half_widths):
+    """By the factor that pairs of known truth needed, on the scale of the range."""
+    assert half_widths[2, CLOSURE] == pytest.approx(WIDENED_LATER * half_widths[1, CLOSURE])
+
+
+def test_ranges_of_apertures_are_wider_in_all_cycles(half_widths):
+    wider = WIDENED["aperture"] * half_widths[1, CLOSURE]
+    assert half_widths[1, APERTURE] == pytest.approx(wider)
+    assert half_widths[2, APERTURE] == pytest.approx(half_widths[1, APERTURE])
+
+
+def test_bands_of_apertures_are_wider_as_their_ranges(half_widths):
+    sources, shares, further, names, values = of_equal_departures()
     place, name = {"cycle": 1, "branch": "loading"}, "mean_aperture_mm"
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
@@ -202,29 +223,48 @@ def test_ranges_of_later_cycles_and_of_apertures_are_wider_and_bands_as_well():
     ]
     bands = bands_of(pd.concat(curves), sources, shares, further)
     of_band = np.log(bands[f"{name}_high"] / bands[f"{name}_low"])
-    np.testing.assert_allclose(of_band, half[1, aperture], rtol=1e-9)
+    np.testing.assert_allclose(of_band, half_widths[1, APERTURE], rtol=1e-9)
 
 
-def test_ranges_and_bands_contain_the_limit_of_the_numerical_error():
-    sources, shares, further, names, values = of_equal_departures()
-    close = 2.0 * (values / 2.0) ** 0.01  # a narrow range
+NUMERICAL_LIMITS = {(1, CLOSURE): 0.2, (1, STIFFNESS): 0.0001}
+
+
+def of_close_departures():
+    """As `of_equal_departures`, in a narrow range."""
+    *about, values = of_equal_departures()
+    return *about, 2.0 * (values / 2.0) ** 0.01
+
+
+@pytest.fixture(scope="module")
+def limited_ranges():
+    """Narrow ranges without and with the limits of the numerical error."""
+    sources, shares, further, names, close = of_close_departures()
     results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, close))
-    limits = {(1, CLOSURE): 0.2, (1, STIFFNESS): 0.0001}
-    narrow = ranges_of(results, sources, shares, further)
-    ranges = ranges_of(results, sources, shares, further, limits)
+    given = results, sources, shares, further
+    return ranges_of(*given), ranges_of(*given, NUMERICAL_LIMITS)
+
+
+def test_ranges_contain_the_limit_of_the_numerical_error(limited_ranges):
+    _, ranges = limited_ranges
     for low, high in (("low", "high"), WIDER):
         assert ranges.loc[(1, CLOSURE), [low, high]].tolist() == pytest.approx([1.6, 2.4])
-    other = [
-        quantity for quantity in QUANTITIES if quantity != CLOSURE and "closure" not in quantity
-    ]
-    for quantity in other:  # one that is smaller than the range changes nothing
-        pd.testing.assert_series_equal(ranges.loc[1, quantity], narrow.loc[1, quantity])
+
+
+def test_a_numerical_error_below_the_range_changes_nothing(limited_ranges):
+    narrow, ranges = limited_ranges
+    for quantity in QUANTITIES:
+        if quantity != CLOSURE and "closure" not in quantity:
+            pd.testing.assert_series_equal(ranges.loc[1, quantity], narrow.loc[1, quantity])
+
+
+def test_bands_contain_the_limit_of_the_numerical_error():
+    sources, shares, further, names, close = of_close_departures()
     place, name = {"cycle": 1, "branch": "loading"}, "closure_net_since_seating_mm"
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * close})
         for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
     ]
-    bands = bands_of(pd.concat(curves), sources, shares, further, limits)
+    bands = bands_of(pd.concat(curves), sources, shares, further, NUMERICAL_LIMITS)
     np.testing.assert_allclose(bands[f"{name}_low"], [0.0, 0.8, 1.6], atol=1e-12)
     np.testing.assert_allclose(bands[f"{name}_high"], [0.0, 1.2, 2.4], atol=1e-12)
 
@@ -273,20 +313,34 @@ def test_a_monotone_curve_leads_through_the_middles_of_equal_values():
     np.testing.assert_allclose(monotone_curve(at, -values, False), -curve)
 
 
-def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
-    """As in each joint, though departures from the sum of the sources are of few joints."""
+@pytest.fixture(scope="module")
+def random_ends():
+    """Ends of ranges of random results, whose departures from the sum of the sources are of few
+    joints."""
     sources = {"a": Source((0.0, 1.0), "range")}
     shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
-    random = np.random.default_rng(2)
+    random, found = np.random.default_rng(2), []
     for _ in range(20):
         net = np.exp(random.standard_normal(DRAWS + 3))
         values = dict.fromkeys(QUANTITIES, net) | {CLOSURE_GROSS: net + random.random(net.size)}
         values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
         results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
-        ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
-        assert ends.loc["contact_at_max"].max() < 1.0
+        found.append(ranges_of(results, sources, shares, further).loc[1][["low", "high"]])
+    return found
+
+
+def test_ends_are_in_the_order_of_net_and_gross_closure(random_ends):
+    """As in each joint."""
+    for ends in random_ends:
         assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
-        assert (ends.low >= 0.0).all()
+
+
+def test_no_end_of_a_range_is_below_zero(random_ends):
+    assert all((ends.low >= 0.0).all() for ends in random_ends)
+
+
+def test_ends_of_the_share_in_contact_are_below_one(random_ends):
+    assert all(ends.loc["contact_at_max"].max() < 1.0 for ends in random_ends)
 
 
 def budget_of(values):
@@ -350,26 +404,35 @@ def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
     np.testing.assert_array_equal(known.all(axis=1), [True, status == "blocked"])
 
 
-def test_a_budget_has_results_of_all_joints_and_the_best(budget, small_joint):
+def test_a_budget_is_the_same_by_any_number_of_workers(budget, small_joint):
     again = uncertainty_budget(*small_joint, CONDITIONS, MODULI, workers=2)
     pd.testing.assert_frame_equal(budget.results, again.results, check_exact=True)
     pd.testing.assert_frame_equal(budget.curves, again.curves, check_exact=True)
+
+
+def test_a_budget_has_results_of_all_drawn_joints(budget):
     drawn = budget.results[budget.results.source == ALL]
     assert len(drawn) == DRAWS
     assert drawn.value.is_unique
-    for name in QUANTITIES:
-        best, low, high, lower, higher = budget.ranges.loc[(1, name), NUMBERS]
-        assert best == budget.results[name].iloc[0]
-        assert lower <= low <= best <= high <= higher
-        if name not in (CLOSURE, STIFFNESS):  # of which the limit of the error may be wider
-            assert higher - lower > high - low
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_the_range_of_a_budget_holds_the_best_value(budget, name):
+    best, low, high, lower, higher = budget.ranges.loc[(1, name), NUMBERS]
+    assert best == budget.results[name].iloc[0]
+    assert lower <= low <= best <= high <= higher
+    if name not in (CLOSURE, STIFFNESS):  # of which the limit of the error may be wider
+        assert higher - lower > high - low
+
+
+def test_a_budget_prints_its_ranges_with_its_sentences(budget):
     printed = str(budget)
     assert budget.text(1, CLOSURE) in printed
     assert budget.sentences()[-1] in printed
 
 
 @pytest.mark.filterwarnings("ignore:All-NaN:RuntimeWarning")
-def test_a_joint_that_fails_has_unknown_results_and_no_error(small_joint):
+def test_a_joint_that_fails_has_unknown_results(small_joint):
     load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
     walls = [wall[:8, :8] for wall in small_joint]
     budget = uncertainty_budget(*walls, CONDITIONS._replace(**load))
@@ -426,18 +489,30 @@ def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint
     assert low < results["", ""] < high
 
 
-def test_variants_thin_out_and_copy_the_walls_themselves(small_joint):
+def variants_by_value(shape):
+    """Variants of `CONDITIONS` by source and value."""
+    sources = sources_of(CONDITIONS, shape)
+    return {(v.source, v.value): v for v in variants_of(CONDITIONS, sources)}
+
+
+def test_variants_of_the_spacing_thin_out_the_walls(small_joint):
     upper, lower = small_joint
-    sources = sources_of(CONDITIONS, upper.shape)
-    variants = {(v.source, v.value): v for v in variants_of(CONDITIONS, sources)}
-    coarse = variants["spacing", "every 2. cell"]
+    coarse = variants_by_value(upper.shape)["spacing", "every 2. cell"]
     np.testing.assert_array_equal(coarse.walls(upper, lower, None)[0], upper[::2, ::2])
     assert coarse.conditions.spacing == 2 * SPACING
-    copied = variants[ORDER, "mirrored"]
+
+
+def test_variants_of_the_order_copy_the_walls(small_joint):
+    upper, lower = small_joint
+    copied = variants_by_value(upper.shape)[ORDER, "mirrored"]
     np.testing.assert_array_equal(copied.walls(upper, lower, None)[1], lower[:, ::-1])
     assert copied.conditions == CONDITIONS
+
+
+def test_elastic_joints_have_sources_of_the_grid_alone(small_joint):
     elastic = CONDITIONS._replace(effects=jc.Effects(True, True, False, False, False))
-    assert set(sources_of(elastic, upper.shape)) == {"spacing", "base_radius_in_cells"}
+    sources = sources_of(elastic, small_joint[0].shape)
+    assert set(sources) == {"spacing", "base_radius_in_cells"}
 
 
 def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
@@ -496,7 +571,7 @@ def test_choices_that_are_changed_are_those_of_the_global_sensitivity_study():
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.0, 1.0, 2.0, -1.0])
-def test_sources_that_do_not_add_up_count_by_what_they_do_together_and_at_most_in_full(factor):
+def test_sources_that_do_not_add_up_count_by_what_they_do_together(factor):
     """The changes of joints with random values are a multiple of the expected sums."""
     sources = {name: Source((0.0, 1.0), "range") for name in "ab"}
     shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
@@ -558,21 +633,31 @@ def test_what_stays_of_a_closure_is_stated_beyond_the_error_of_its_steps(share, 
     assert (budget.text(2, "residual_closure_seated_net_mm") != "not modelled") == stays
 
 
-def test_a_joint_at_the_edge_of_the_random_ones_is_told_and_a_range_of_nothing_is_not_modelled():
+def budget_with_lower(below):
+    """A budget of 20 random joints of which some close less than the joint itself."""
     sources = {"a": Source((0.0, 1.0), "range")}
     shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
-    for below, outlying in ((2, True), (3, False), (17, False), (18, True)):
-        drawn = np.where(np.arange(20) < below, 0.5, 2.0)
-        values = dict.fromkeys(QUANTITIES, np.array([1.0, 1.0, 1.0, *drawn]))
-        values["residual_closure_seated_net_mm"] = np.append(1e-13, np.zeros(22))
-        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * 20]} | values)
-        results = results.assign(value="", status=0)
-        budget = Budget(results, ranges_of(results, sources, shares, further), ())
-        told = [line for line in budget.sentences() if "as registered" in line]
-        assert bool(told) == outlying
-        if told:
-            assert ("smaller" in told[0]) == (below < 10)
-        assert budget.text(1, "residual_closure_seated_net_mm") == "not modelled"
+    drawn = np.where(np.arange(20) < below, 0.5, 2.0)
+    values = dict.fromkeys(QUANTITIES, np.array([1.0, 1.0, 1.0, *drawn]))
+    values["residual_closure_seated_net_mm"] = np.append(1e-13, np.zeros(22))
+    results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * 20]} | values)
+    results = results.assign(value="", status=0)
+    return Budget(results, ranges_of(results, sources, shares, further), ())
+
+
+@pytest.mark.parametrize(("below", "outlying"), [(2, True), (3, False), (17, False), (18, True)])
+def test_a_joint_at_the_edge_of_the_random_ones_is_reported(below, outlying):
+    lines = budget_with_lower(below).sentences()
+    reported = [line for line in lines if "as registered" in line]
+    assert bool(reported) == outlying
+    if reported:
+        assert ("smaller" in reported[0]) == (below < 10)
+
+
+@pytest.mark.parametrize("below", [2, 3, 17, 18])
+def test_a_range_of_no_more_than_rounding_is_not_modelled(below):
+    text = budget_with_lower(below).text(1, "residual_closure_seated_net_mm")
+    assert text == "not modelled"
 
 
 def rows_of_steps(best, others, copies, contact=0.25):
@@ -583,13 +668,22 @@ def rows_of_steps(best, others, copies, contact=0.25):
     return table.assign(cycle=1, contact_at_max=contact, stiffness_net_MPa_per_mm=1.0)
 
 
-def test_copies_with_the_changed_steps_are_compared_with_each_other_and_with_the_joint():
-    table = rows_of_steps(1.0, 1.1, [1.12, 1.08])
-    found = numerical_errors_of(table, shared=True, cells=400)
-    closure = found[found.quantity == CLOSURE_NET].iloc[0]
-    values = [1.1, 1.12, 1.08]
-    assert closure.error == numerical_error(1.0, values, [1.0, *values], 100.0, 1)
-    assert closure.scatter == scatter_of(values)
+CHANGED = [1.1, 1.12, 1.08]
+"""A result by other steps, and those of copies by the same steps."""
+
+
+@pytest.fixture(scope="module")
+def errors_of_copies():
+    found = numerical_errors_of(rows_of_steps(1.0, 1.1, [1.12, 1.08]), shared=True, cells=400)
+    return found[found.quantity == CLOSURE_NET].iloc[0]
+
+
+def test_the_error_compares_copies_by_other_steps_with_the_joint(errors_of_copies):
+    assert errors_of_copies.error == numerical_error(1.0, CHANGED, [1.0, *CHANGED], 100.0, 1)
+
+
+def test_the_scatter_compares_copies_by_other_steps_with_each_other(errors_of_copies):
+    assert errors_of_copies.scatter == scatter_of(CHANGED)
 
 
 def test_copies_with_the_steps_of_the_joint_show_no_change_with_the_steps():

@@ -150,7 +150,7 @@ def test_a_damaged_file_is_one_clear_error(form, damage, wall, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.npy", "a.npz"])
-def test_a_pickle_is_refused_and_not_run(name, tmp_path):
+def test_a_pickle_is_refused_before_it_runs(name, tmp_path):
     class Trap:
         def __reduce__(self):
             return (exec, (f"open({str(tmp_path / 'sprung')!r}, 'w')",))
@@ -347,24 +347,31 @@ def test_a_matrix_framed_by_its_places_is_that_grid(corner, falling, wall, tmp_p
     assert "were read as x and y" in " ".join(scan.remarks)
 
 
-def test_a_matrix_with_places_on_one_side_is_refused_and_a_plane_is_heights(wall, tmp_path):
+@pytest.mark.parametrize(("line", "part"), [("row", np.s_[:, 1:]), ("column", np.s_[1:])])
+def test_a_matrix_with_places_on_one_side_is_refused(line, part, wall, tmp_path):
     framed = np.pad(wall, ((1, 0), (1, 0)))
     framed[0, 1:], framed[1:, 0] = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
-    for line, part in (("row", framed[:, 1:]), ("column", framed[1:])):
-        given = writers.as_matrix(tmp_path / "a.txt", Ground(part))
-        refused(f"its first {line} is evenly spaced", tmp_path / "a.txt", **given)
+    given = writers.as_matrix(tmp_path / "a.txt", Ground(framed[part]))
+    refused(f"its first {line} is evenly spaced", tmp_path / "a.txt", **given)
+
+
+def test_a_matrix_that_is_a_plane_is_heights(tmp_path):
     plane = 0.02 * np.arange(26) - 0.01 * np.arange(20)[:, None]
     scan = read_in("a.txt", Ground(plane), tmp_path)
     np.testing.assert_allclose(scan.heights, 1e-3 * plane, atol=1e-12)
 
 
-def test_structs_of_a_matlab_file_and_a_mask_beside_heights_are_refused(wall, tmp_path):
-    masked = {"Z_mm": wall, "spacing_mm": 0.25, "mask": wall > 3.0}
-    np.savez(tmp_path / "masked.npz", **masked)
-    scipy.io.savemat(tmp_path / "masked.mat", masked)
+@pytest.mark.parametrize(
+    ("name", "save"), [("masked.npz", np.savez), ("masked.mat", scipy.io.savemat)]
+)
+def test_a_mask_beside_heights_is_refused(name, save, wall, tmp_path):
+    arrays = {"Z_mm": wall, "spacing_mm": 0.25, "mask": wall > 3.0}
+    save(tmp_path / name, **arrays) if save is np.savez else save(tmp_path / name, arrays)
+    refused(rf"{name}: .*mask", tmp_path / name)
+
+
+def test_structs_of_a_matlab_file_are_refused(wall, tmp_path):
     scipy.io.savemat(tmp_path / "struct.mat", {"S": {"Z": wall}})
-    refused(r"masked\.npz: .*mask", tmp_path / "masked.npz")
-    refused(r"masked\.mat: .*mask", tmp_path / "masked.mat")
     own = "save arrays of S as variables of their own"
     refused(own, tmp_path / "struct.mat", units="mm")
 
@@ -496,18 +503,30 @@ def test_zeros_beside_heights_that_are_not_small_are_missing(tmp_path):
     np.testing.assert_array_equal(np.isnan(scan.heights), coded == 0.0)
 
 
-@pytest.mark.parametrize("name", ["a.xyz", "a.stl"])
-def test_a_stray_point_is_cut_and_named(name, tmp_path):
-    points = np.random.default_rng(2).random((2000, 3)) * [10.0, 10.0, 0.1]
-    far = np.vstack([points, [1e6, -2e6, 0.05], [4.0, 5.0, 700.0]])
+POINTS = np.random.default_rng(2).random((2000, 3)) * [10.0, 10.0, 0.1]
+
+
+@pytest.fixture(params=["a.xyz", "a.stl"])
+def strayed(request, tmp_path):
+    """Name and scan of a file of points of which two lie far from all others."""
+    name = request.param
+    far = np.vstack([POINTS, [1e6, -2e6, 0.05], [4.0, 5.0, 700.0]])
     if name == "a.xyz":
         np.savetxt(tmp_path / name, far)
     else:
         faces = np.arange(len(far)).reshape(-1, 2)
         writers.write_mesh(tmp_path / name, far, np.column_stack([faces, np.roll(faces[:, 0], 1)]))
-    scan = read_scan(tmp_path / name, units="mm")
+    return name, read_scan(tmp_path / name, units="mm")
+
+
+def test_a_stray_point_is_cut(strayed):
+    _, scan = strayed
     assert isinstance(scan, Cloud)
-    np.testing.assert_allclose(np.sort(scan.points, 0), 1e-3 * np.sort(points, 0), rtol=1e-6)
+    np.testing.assert_allclose(np.sort(scan.points, 0), 1e-3 * np.sort(POINTS, 0), rtol=1e-6)
+
+
+def test_a_stray_point_is_named(strayed):
+    name, scan = strayed
     printed, scattered = scan.remarks
     assert "Warning: the points lie on no regular grid" in scattered
     assert printed.startswith("2 stray points were cut")
@@ -619,13 +638,23 @@ def test_points_far_apart_are_refused_before_a_terabyte_is_allocated():
         wall_on_grid(Cloud(points), point_distance(Cloud(points)))
 
 
-def test_a_grid_is_placed_by_a_corner_and_one_of_esri_may_have_dx_and_dy(wall, tmp_path):
-    ground = Ground(wall, STEP_MM, (5.0, 3.0))
-    writers.as_geotiff(tmp_path / "a.tif", ground, placed=1)
+CORNER = (5.0, 3.0)
+
+
+def test_a_geotiff_may_be_placed_by_a_corner(wall, tmp_path):
+    writers.as_geotiff(tmp_path / "a.tif", Ground(wall, STEP_MM, CORNER), placed=1)
     from_top = read_scan(tmp_path / "a.tif").origin
     assert from_top == pytest.approx((5e-3 - 0.5 * SPACING, 3e-3 + 0.5 * SPACING))
-    usual = read_in("a.asc", ground, tmp_path)
+
+
+def test_an_esri_grid_is_placed_by_a_corner(wall, tmp_path):
+    usual = read_in("a.asc", Ground(wall, STEP_MM, CORNER), tmp_path)
     assert usual.origin == pytest.approx((5e-3 + 0.5 * SPACING, 3e-3 + 0.5 * SPACING))
+
+
+def test_an_esri_grid_may_state_both_steps(wall, tmp_path):
+    ground = Ground(wall, STEP_MM, CORNER)
+    usual = read_in("a.asc", ground, tmp_path)
     writers.as_esri(tmp_path / "b.asc", ground, cellsize=None, dx=STEP_MM, dy=STEP_MM)
     of_gdal = read_scan(tmp_path / "b.asc", units="mm")
     np.testing.assert_array_equal(of_gdal.heights, usual.heights)
@@ -661,7 +690,7 @@ def test_the_blank_value_of_a_surfer_7_grid_is_no_height(wall, tmp_path):
 @pytest.mark.parametrize(
     ("names", "shown"), [("xz", "must be one file, or three"), ("xyz", "20 x 26, 3 x 4, 20 x 26")]
 )
-def test_two_matrices_and_three_of_different_shapes_are_refused(names, shown, wall, tmp_path):
+def test_matrices_other_than_three_of_one_shape_are_refused(names, shown, wall, tmp_path):
     given = writers.as_three_files(tmp_path / "a", Ground(wall))
     np.savetxt(tmp_path / "y.dat.txt", np.ones((3, 4)))
     refused(shown, ",".join(str(tmp_path / f"{name}.dat.txt") for name in names), **given)

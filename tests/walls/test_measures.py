@@ -6,11 +6,13 @@ import pytest
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.randomness import generator
+from jointclosure.walls import mating as mating_module
 from jointclosure.walls.gridding import Cloud, points_of, wall_on_grid
 from jointclosure.walls.mating import mating, measured_mismatch, slope_correlations
 from jointclosure.walls.measures import hurst_of, mean_curvature, measure_wall, peak_cells
 from jointclosure.walls.roughness import RELATIONS, bearing_depths, rms_slope
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.scans.points import _find_axis
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from tests.joints import SPACING, TWO_WALLS, bump
 from tests.walls.test_formats import STEP_MM
@@ -23,13 +25,25 @@ def measured(wall):
     return {m.name: m for m in measure_wall(wall, SPACING, resamples=40)}
 
 
-def test_every_measure_lies_within_its_interval_and_the_slope_is_the_walls():
+@pytest.fixture(scope="module")
+def rough():
+    """A wall, and its measures by name."""
     wall = jc.wall_pair(9.0, (70, 60), SPACING, seed=2)[0]
-    found = measured(wall)
-    assert all(m.low < m.value < m.high for m in found.values())
-    assert found["Z2 along x"].value == pytest.approx(
-        np.sqrt(np.mean(np.diff(wall, axis=1) ** 2)) / SPACING, rel=1e-12
-    )
+    return wall, measured(wall)
+
+
+def test_every_measure_lies_within_its_interval(rough):
+    assert all(m.low < m.value < m.high for m in rough[1].values())
+
+
+def test_the_slope_is_that_of_the_wall(rough):
+    wall, found = rough
+    exact = np.sqrt(np.mean(np.diff(wall, axis=1) ** 2)) / SPACING
+    assert found["Z2 along x"].value == pytest.approx(exact, rel=1e-12)
+
+
+def test_the_rms_height_is_that_of_the_wall(rough):
+    wall, found = rough
     assert found["rms height"].value == pytest.approx(1e3 * wall.std(), rel=1e-12)
 
 
@@ -45,11 +59,20 @@ def test_each_relation_gives_the_jrc_that_a_wall_was_made_with(name):
     assert np.mean(values) == pytest.approx(9.0, abs=0.3)
 
 
-@pytest.mark.parametrize("hurst", [0.6, 1.0])
-def test_the_hurst_exponent_is_recovered_and_its_interval_covers_it(hurst):
-    made = 0.2, (80, 80), SPACING, Spectrum(hurst)
-    walls = [synthetic_wall(*made, generator(seed)) for seed in range(16)]
+@pytest.fixture(scope="module", params=[0.6, 1.0])
+def self_affine(request):
+    """A Hurst exponent, and walls that were made with it."""
+    made = 0.2, (80, 80), SPACING, Spectrum(request.param)
+    return request.param, [synthetic_wall(*made, generator(seed)) for seed in range(16)]
+
+
+def test_the_hurst_exponent_is_recovered(self_affine):
+    hurst, walls = self_affine
     assert np.mean([hurst_of(wall) for wall in walls]) == pytest.approx(hurst, abs=0.04)
+
+
+def test_the_interval_of_the_hurst_exponent_covers_it(self_affine):
+    hurst, walls = self_affine
     intervals = [measured(wall)["H, both directions"] for wall in walls[:5]]
     assert sum(m.low <= hurst <= m.high for m in intervals) >= 4
 
@@ -86,6 +109,33 @@ def test_depths_are_those_of_sorted_heights():
         assert found == pytest.approx(highest[0] - highest[cells - 1], abs=1e-18)
 
 
+def test_the_interval_of_a_mismatch_wavelength_ends_where_the_likelihood_ratio_is_significant(
+    monkeypatch,
+):
+    """Of a wavelength whose logarithm has a normal likelihood: 1.96 standard deviations off."""
+    monkeypatch.setattr(mating_module, "_ring_powers", lambda *walls: ())
+    monkeypatch.setattr(
+        mating_module, "_profile_likelihood", lambda tried: -0.5 * (np.log(tried / 4e-3) / 0.2) ** 2
+    )
+    flat = np.zeros((4000, 4000))  # long beside the wavelength, which it resolves
+    ends = np.sort(measured_mismatch(flat, flat, SPACING))
+    np.testing.assert_allclose(np.log(ends / 4e-3), [-0.392, 0.0, 0.392], atol=0.02)
+
+
+def test_coordinates_of_fewer_than_three_lines_have_no_axis():
+    assert _find_axis(np.repeat([0.0, 1.0], 20), 0.1) is None
+    assert _find_axis(np.zeros(40), 0.1) is None
+    assert _find_axis(np.repeat([0.0, 1.0, 2.0], 20), 0.1).step == pytest.approx(1.0)
+
+
+def test_depths_of_several_shares_are_those_of_each_up_to_all_cells():
+    summed = sum(jc.wall_pair(8, (30, 40), 0.25e-3, 1))
+    shares = [0.0, 0.0107, 0.05, 0.5003, 1.0]
+    depths = bearing_depths(summed, shares)
+    np.testing.assert_array_equal(depths, [bearing_depths(summed, share) for share in shares])
+    assert depths[-1] == pytest.approx(np.ptp(summed))
+
+
 @pytest.mark.skipif(not MEASURED.is_file(), reason="the scanned wall is not part of the project")
 def test_the_measured_wall_has_the_roughness_that_it_was_published_with():
     scan = read_scan(MEASURED, variable="patch63_mm")
@@ -120,21 +170,28 @@ def read_points(path, points, digits=6):
     return read_scan(path, units="mm")
 
 
-@pytest.mark.parametrize("lost", [[0], [137], [3, 77, 78, 79, 300], range(130, 156)])
-def test_a_grid_with_missing_points_is_that_grid_and_a_lost_profile_is_warned_of(
-    lost, wall, points, tmp_path
-):
+LOST = pytest.mark.parametrize("lost", [[0], [137], [3, 77, 78, 79, 300], range(130, 156)])
+
+
+@LOST
+def test_a_grid_with_missing_points_is_that_grid(lost, wall, points, tmp_path):
     scan = read_points(tmp_path / "a.xyz", np.delete(points, lost, axis=0))
     expected = 1e-3 * wall
     expected.flat[list(lost)] = np.nan
     assert scan.spacing == (SPACING, SPACING)
     np.testing.assert_allclose(scan.heights, expected, atol=1e-9)
+
+
+@LOST
+def test_missing_points_are_reported(lost, points, tmp_path):
+    """A profile that is lost is warned of."""
+    scan = read_points(tmp_path / "a.xyz", np.delete(points, lost, axis=0))
     assert f"{len(lost)} of 520 heights" in scan.remarks[0]
     warned = " ".join(cautions(scan.remarks))
     assert ("26 of 520 heights (5 %) are missing inside the wall" in warned) == (len(lost) == 26)
 
 
-def test_scattered_and_staggered_points_are_no_grid(points, tmp_path):
+def test_scattered_or_staggered_points_are_no_grid(points, tmp_path):
     random = np.random.default_rng(1)
     scattered, staggered = points.copy(), points.copy()
     scattered[:, :2] += STEP_MM * random.random((len(points), 2))
@@ -180,20 +237,30 @@ DAMAGES = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
-def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
-    damage, wall, points, tmp_path
-):
-    step = 0.4
-    points = points * [step / STEP_MM, step / STEP_MM, 1.0] + [7.5, -30.0, 0.0]
-    damage(points, step)
-    scan = read_points(tmp_path / "a.xyz", points)
+LATTICE_STEP = 0.4
+
+
+@pytest.fixture(params=DAMAGES, ids=lambda damage: damage.__name__)
+def damaged(request, points, tmp_path):
+    """How a lattice of points was damaged, and its scan."""
+    scale = LATTICE_STEP / STEP_MM
+    points = points * [scale, scale, 1.0] + [7.5, -30.0, 0.0]
+    request.param(points, LATTICE_STEP)
+    return request.param, read_points(tmp_path / "a.xyz", points)
+
+
+def test_a_lattice_is_decided_by_most_points(damaged):
+    _, scan = damaged
+    assert scan.spacing == pytest.approx((1e-3 * LATTICE_STEP,) * 2, rel=5e-3)
+    assert scan.origin == pytest.approx((-30e-3, 7.5e-3), abs=0.15e-3 * LATTICE_STEP)
+    assert scan.heights.shape == SHAPE
+
+
+def test_points_off_a_lattice_are_left_out(damaged, wall):
+    damage, scan = damaged
     lost, remark = DAMAGES[damage]
-    assert scan.spacing == pytest.approx((1e-3 * step,) * 2, rel=5e-3)
-    assert scan.origin == pytest.approx((-30e-3, 7.5e-3), abs=0.15e-3 * step)
     assert remark in " ".join(scan.remarks)
     known = np.isfinite(scan.heights)
-    assert scan.heights.shape == SHAPE
     assert known.sum() == known.size - lost
     np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
 
@@ -306,8 +373,11 @@ def test_the_interval_of_a_mismatch_wavelength_covers_it(cells, how):
     assert np.median(high / low) < 1.6
 
 
-def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
+def test_mates_have_no_mismatch_wavelength():
     assert np.all(found_in(0) == 0.0)
+
+
+def test_independent_walls_may_have_an_infinite_mismatch_wavelength():
     wavelength, low, high = found_in(None)
     # the few longest waves correlate by chance
     assert np.median(wavelength) == np.inf
@@ -315,10 +385,13 @@ def test_mates_have_none_and_independent_walls_may_have_an_infinite_one():
     assert np.all(low > 4 * SPACING)
 
 
-def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
+def test_mates_correlate_at_all_wavelengths():
     upper, lower = jc.wall_pair(9.0, (64, 64), SPACING, seed=4, correlation=1.0, roll_off=None)
     mates = mating(upper, lower, SPACING)
     np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
+
+
+def test_independent_walls_correlate_at_no_wavelength():
     scores = []
     for seed in range(20):
         found = mating(*jc.wall_pair(9.0, (64, 64), SPACING, seed, roll_off=None), SPACING)

@@ -1,4 +1,4 @@
-"""What states the places of heights agrees and gives one wall, or is refused by its names."""
+"""Statements of the places of heights give one wall where they agree, or are refused by name."""
 
 from unittest.mock import patch
 
@@ -91,7 +91,7 @@ def test_statements_that_agree_in_any_unit_are_one_wall(tmp_path, stated, argume
 
 @RANDOM
 @given(stated(), st.sampled_from([0.5, 0.9, 1.02, 2.0, 1e3]), st.data())
-def test_a_statement_that_differs_is_refused_with_names_and_values(tmp_path, stated, factor, data):
+def test_a_statement_that_differs_is_refused_by_name(tmp_path, stated, factor, data):
     suffix, steps, units = stated
     path, given = tmp_path / f"a{suffix}", {}
     form = data.draw(st.sampled_from(sorted(units)))

@@ -1,4 +1,4 @@
-"""A profile, heights along a line, is read as people write it, and measured as what it was made."""
+"""Profiles, which are heights along a line: how they are read and what is measured of them."""
 
 import numpy as np
 import pytest
@@ -57,7 +57,7 @@ def test_stigsson_and_mas_ivars_have_their_height_differences_over_a_millimetre(
     assert found["JRC, stigsson_mas_ivars"].value == pytest.approx(expected, abs=0.05)
 
 
-def test_a_zigzag_has_its_slope_and_its_length():
+def test_a_zigzag_has_its_exact_measures():
     heights = 0.1e-3 * np.abs(np.arange(301) % 14 - 7)
     found = measured(heights)
     assert found["Z2"].value == pytest.approx(0.4, rel=1e-3)
@@ -96,15 +96,25 @@ def test_uneven_points_have_nearly_the_slope_of_the_even_ones():
     assert found["Z2"].value == pytest.approx(0.2, rel=0.15)
 
 
-def test_a_gap_has_no_heights_and_is_not_bridged():
+@pytest.fixture(scope="module")
+def with_a_gap():
+    """A levelled profile that lacks twenty places, after which it is higher, and its spacing."""
     places, heights = SPACING * np.arange(200), made(0.2, 200)
     heights[120:] += 1e-3  # across the gap, where it must not count as a slope
     kept = np.r_[0:100, 120:200]
     kept = kept[kept != 150]  # a step of two spacings is no gap
     level, spacing, _ = levelled_profile(Profile(places[kept], heights[kept]))
+    return level, spacing
+
+
+def test_a_gap_has_no_heights(with_a_gap):
+    level, spacing = with_a_gap
     assert spacing == pytest.approx(SPACING)
     assert np.isnan(level).sum() == 20
-    assert measure_profile(level, spacing)[1].value < 0.3
+
+
+def test_a_gap_is_not_bridged(with_a_gap):
+    assert measure_profile(*with_a_gap)[1].value < 0.3
 
 
 @pytest.mark.parametrize(
@@ -170,13 +180,20 @@ def test_a_profile_without_roughness_or_too_short_is_refused(heights, message):
         measured(heights)
 
 
-def test_the_command_prints_the_measures_and_writes_table_and_picture(tmp_path, capsys):
+@pytest.fixture
+def by_command(tmp_path, capsys):
+    """What the command prints of a profile, its table, and its picture."""
     rows = [f"{0.25 * n:.2f} {1e3 * z:.6f}" for n, z in enumerate(made(0.25))]
     file, table = written(tmp_path, rows), tmp_path / "measures.csv"
     picture = tmp_path / "profile.png"
     words = ["roughness", str(file), "--profile", "--units", "mm"]
     assert main([*words, "--table", str(table), "--picture", str(picture)]) == 0
-    assert "400 places 0.25 mm apart; mean line removed" in capsys.readouterr().out
+    return capsys.readouterr().out, table, picture
+
+
+def test_the_command_measures_a_profile(by_command):
+    out, table, picture = by_command
+    assert "400 places 0.25 mm apart; mean line removed" in out
     assert set(read_csv(table).measure) >= {f"JRC, {name}" for name in RELATIONS}
     assert picture.stat().st_size > 0
 

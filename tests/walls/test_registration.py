@@ -13,17 +13,17 @@ import jointclosure as jc
 from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
-from jointclosure.uncertainty.scanned_joint import _force_in_holes
-from jointclosure.walls import motion
+from jointclosure.uncertainty.scanned_joint import _force_in_holes, _simulated
+from jointclosure.walls import motion, registration
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
-from jointclosure.walls.motion import Fit
-from jointclosure.walls.outliers import remove_plateaus, remove_spikes, spikes
+from jointclosure.walls.motion import Fit, Motion
+from jointclosure.walls.outliers import patches, remove_plateaus, remove_spikes, spikes
 from jointclosure.walls.overlap import largest_rectangle
-from jointclosure.walls.registration import ORIENTATIONS, registered
+from jointclosure.walls.registration import ORIENTATIONS, _BestFit, _check_found, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.wall_files import registered_walls
-from tests.joints import SPACING, TWO_WALLS, closed
+from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
 AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "spikes": "keep"}
@@ -89,7 +89,7 @@ def test_a_wall_that_lies_on_the_nodes_of_the_other_is_laid_there_without_a_chan
 
 
 @pytest.mark.parametrize("number", [0, 1, 4])
-def test_rotation_tilt_and_shift_of_a_scan_are_undone_within_their_errors(number):
+def test_the_motion_of_a_scan_is_undone_within_its_errors(number):
     """Grids and a cloud, two turned over, with noise and missing heights."""
     truth = Truth(number, cells=120, noise=5e-6, mating=1e-3, cell=SPACING)
     pair = registered(*truth.scans(), SPACING)
@@ -147,9 +147,12 @@ def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls():
         np.testing.assert_allclose(detrended(wall), detrended(expected), atol=1e-9)
 
 
-def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans_or_the_stated_one():
-    for distance, cell in ((5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)):
-        assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
+@pytest.mark.parametrize(("distance", "cell"), [(5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)])
+def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans(distance, cell):
+    assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
+
+
+def test_a_joint_has_the_spacing_that_is_stated():
     step = SPACING / 4
     upper, lower = jc.wall_pair(9.0, (96, 96), step, 4, correlation=0.99, roll_off=None)
     pair = registered(grid(-upper, step=step), grid(lower, step=step), step, shift="scanned")
@@ -157,23 +160,42 @@ def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans_or_the
     assert not any("points are" in line for line in pair.report)
 
 
-def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
-    for seed in range(2):  # of other seeds one in ten fits by chance
-        upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
-        with pytest.raises(jc.InputError, match=r"is ambiguous: slopes .* scanned position"):
-            registered(scanned(upper, "towards"), grid(lower), spikes="keep")
+@pytest.mark.parametrize("seed", [0, 1])  # of other seeds one in ten fits by chance
+def test_independent_walls_have_no_clear_orientation(seed):
+    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
+    with pytest.raises(jc.InputError, match=r"is ambiguous: slopes .* scanned position"):
+        registered(scanned(upper, "towards"), grid(lower), spikes="keep")
+
+
+def test_independent_walls_have_the_orientation_that_is_stated():
+    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, 1, roll_off=None)
     stated = {"orientation": "towards", "shift": "scanned"}
     found = registered(scanned(upper, "towards"), grid(lower), **stated)
     np.testing.assert_allclose(found.upper, upper, atol=1e-12)
 
 
-def test_the_wrong_orientation_is_refused_unless_it_is_meant_and_closes_more(joint):
-    scans = scanned(joint[0]), grid(joint[1])
-    right = registered(*scans)
+def test_the_wrong_orientation_is_refused_unless_it_is_meant(joint):
     with pytest.raises(jc.InputError, match=r"orientation = 'towards': common_frame fits clearly"):
-        registered(*scans, orientation="towards")
-    wrong = registered(*scans, orientation="towards", shift="scanned", unusual_values=True)
+        registered(scanned(joint[0]), grid(joint[1]), orientation="towards")
+
+
+@pytest.fixture(scope="module")
+def orientations(joint):
+    """A joint in its right orientation, and in a wrong one."""
+    scans = scanned(joint[0]), grid(joint[1])
+    meant = {"orientation": "towards", "shift": "scanned", "unusual_values": True}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(motion, "ROTATION_STEP", 30.0)
+        return registered(*scans), registered(*scans, **meant)
+
+
+def test_the_wrong_orientation_leaves_more_voids(orientations):
+    right, wrong = orientations
     assert wrong.aperture.std() > 1.2 * right.aperture.std()
+
+
+def test_only_the_wrong_orientation_is_warned_of(orientations):
+    right, wrong = orientations
     for found, warned in ((wrong, True), (right, False)):
         assert any("orientation" in line for line in cautions(found.report)) == warned
 
@@ -253,7 +275,7 @@ def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_conta
     assert sum("plateaus" in line for line in found.warnings) == patches
 
 
-def test_a_flat_and_a_stepped_wall_keep_their_heights(joint):
+def test_walls_that_are_flat_or_stepped_keep_their_heights(joint):
     steps = np.indices(SHAPE)[1] // 12 * 1e-4
     for wall in (np.zeros(SHAPE), steps, np.where(joint[1] > 0.0, joint[1], 0.0)):
         assert np.isfinite(remove_plateaus(grid(wall)).heights).all()
@@ -282,7 +304,7 @@ def test_a_hole_of_a_rough_wall_does_not_touch_a_flat_one(flat, walls):
     assert is_open(found)
 
 
-def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_refused(walls):
+def test_holes_that_are_too_many_are_cut_with_a_warning(walls):
     upper, lower = walls
     lower[5:35, 30:60] = np.nan
     found = registered(scanned(upper), grid(lower))
@@ -290,6 +312,11 @@ def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_r
     assert not found.holes.any()
     (line,) = (line for line in found.warnings if line.startswith("Warning: 900 cells in holes"))
     assert "% of the smaller scan" in line
+
+
+def test_too_many_holes_everywhere_are_refused(walls):
+    upper, lower = walls
+    lower[5:35, 30:60] = np.nan
     lower[(np.indices(SHAPE) // 6).sum(axis=0) % 2 == 0] = np.nan
     with pytest.raises(jc.InputError, match=r"walls overlap in .* \d{4} cells lie in holes"):
         registered(scanned(upper), grid(lower), **AS_SCANNED)
@@ -391,7 +418,7 @@ def copies(wall):
 
 
 @pytest.mark.parametrize("kind", copies(np.zeros((4, 4))))
-def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
+def test_a_copy_of_a_scan_is_refused_unless_it_is_meant(kind, joint):
     scans = copies(joint[0])[kind]
     with pytest.raises(jc.InputError, match=r"(given twice|a copy of the other); unusual_values"):
         registered(*scans, shift="mated", spikes="keep")
@@ -417,34 +444,59 @@ def test_the_largest_rectangle_is_the_largest(seed):
     assert found.size == best
 
 
-def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
-    wall = joint[0]
-    assert not np.isfinite(spikes(points_of(grid(wall)))).any()
-    spiked = wall.copy()
-    spiked[30, 31] += 2e-3
-    spiked[60, 20] -= 2e-3
-    spiked[60, 21] -= 2.2e-3  # two beside each other
+def test_gaussian_walls_have_no_spikes(joint):
+    assert not np.isfinite(spikes(points_of(grid(joint[0])))).any()
+
+
+@pytest.fixture
+def spiked(walls):
+    """A wall with three outliers, two of them beside each other."""
+    wall = walls[0]
+    wall[30, 31] += 2e-3
+    wall[60, 20] -= 2e-3
+    wall[60, 21] -= 2.2e-3
+    return wall
+
+
+def test_single_outliers_are_spikes(spiked, joint):
     left, about = remove_spikes(grid(spiked))
-    np.testing.assert_array_equal(np.isnan(left.heights), spiked != wall)
+    np.testing.assert_array_equal(np.isnan(left.heights), spiked != joint[0])
     assert about.startswith("3 of 4608 points are spikes")
-    cloud, about_cloud = remove_spikes(Cloud(points_of(grid(spiked))))
-    assert len(cloud.points) == wall.size - 3
-    assert about_cloud == about
 
 
-def test_a_small_overlap_and_a_wedge_are_warned_of():
+def test_spikes_of_a_cloud_are_those_of_its_grid(spiked):
+    cloud, about = remove_spikes(Cloud(points_of(grid(spiked))))
+    assert len(cloud.points) == spiked.size - 3
+    assert about == remove_spikes(grid(spiked))[1]
+
+
+@pytest.fixture
+def mates():
+    """Heights of two walls as they were scanned, one above the other."""
     upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
-    upper = 1e-3 - upper
-    assert registered(grid(upper), grid(lower), **AS_SCANNED).warnings == []
-    y = np.indices(upper.shape)[0] * SPACING
-    wedge = np.tan(np.radians(2.0)) * y
-    aside, beside = grid(upper[:, 30:], (0.0, 30 * SPACING)), grid(lower[:, :39], (0.0, 0.0))
-    for pair, warning in (
-        ((grid(upper + wedge), grid(lower)), "the walls are inclined to each other by 2.0 degrees"),
-        ((aside, beside), "the walls overlap in 44 % of the smaller scan, less than 50 %"),
-    ):
-        found = registered(*pair, **AS_SCANNED, unusual_values=True)
-        assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
+    return 1e-3 - upper, lower
+
+
+def assert_warned_of(pair, warning):
+    found = registered(*pair, **AS_SCANNED, unusual_values=True)
+    assert any(line.startswith(f"Warning: {warning}") for line in found.warnings)
+
+
+def test_walls_that_lie_well_are_not_warned_of(mates):
+    assert registered(*map(grid, mates), **AS_SCANNED).warnings == []
+
+
+def test_a_wedge_is_warned_of(mates):
+    upper, lower = mates
+    wedge = np.tan(np.radians(2.0)) * np.indices(upper.shape)[0] * SPACING
+    pair = grid(upper + wedge), grid(lower)
+    assert_warned_of(pair, "the walls are inclined to each other by 2.0 degrees")
+
+
+def test_a_small_overlap_is_warned_of(mates):
+    upper, lower = mates
+    pair = grid(upper[:, 30:], (0.0, 30 * SPACING)), grid(lower[:, :39], (0.0, 0.0))
+    assert_warned_of(pair, "the walls overlap in 44 % of the smaller scan, less than 50 %")
 
 
 @pytest.mark.parametrize("shift", ["scanned", "mated"])
@@ -490,6 +542,56 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
     ):
         with pytest.raises(jc.InputError, match=refused):
             registered(*scans, orientation=orientation)
+
+
+@pytest.mark.parametrize(("degrees", "warned"), [(4.5, False), (5.5, True)])
+def test_an_aperture_map_is_warned_of_if_it_is_inclined_by_more_than_five_degrees(degrees, warned):
+    upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
+    plane = np.tan(np.radians(degrees)) * np.indices(upper.shape)[0] * SPACING
+    found = registered(grid(2e-3 - upper - lower + plane), "flat", **AS_SCANNED)
+    text = f"Warning: the plane is inclined by {degrees} degrees, more than 5"
+    assert any(line.startswith(text) for line in found.warnings) == warned
+
+
+def test_a_fit_of_slopes_at_which_heights_have_no_position_is_refused():
+    middle, fits = np.zeros(3), [Fit("rotated", 0.9, 10.0, np.zeros(2))]
+    mated = Motion(np.eye(3), np.eye(3), middle, middle, np.full((3, 3), np.nan))
+    with pytest.raises(jc.InputError, match=r"ambiguous: slopes correlate by rotated 0.90 at 10 d"):
+        _check_found(_BestFit("rotated", fits, mated))
+    _check_found(_BestFit("rotated", fits, mated._replace(covariance=np.eye(3))))
+
+
+def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
+    with pytest.raises(jc.InputError, match=r"^upper and lower: the same scan was given twice"):
+        registered_walls(grid(walls[0]), grid(walls[0]), {}, SPACING)
+
+
+def test_holes_that_were_filled_do_not_count_in_the_slopes_that_a_wall_lost(walls, monkeypatch):
+    compared = []
+    monkeypatch.setattr(
+        registration.plausibility, "smoothing_of", lambda cloud, wall, *more: compared.append(wall)
+    )
+    monkeypatch.setattr(registration, "_with_side", lambda side, remarks: [])
+    upper = 0.6e-3 - walls[0]
+    upper[10:13, 10:13] = np.nan
+    pair = registered(grid(upper), grid(walls[1]), **AS_SCANNED)
+    np.testing.assert_array_equal(np.isnan(compared[0]), pair.holes)
+    assert not np.isnan(compared[1]).any()
+
+
+def test_a_joint_without_holes_has_no_remark_about_their_force(walls):
+    pair = registered(grid(0.6e-3 - walls[0]), grid(walls[1]), **AS_SCANNED)
+    conditions = jc.Conditions(pair.spacing, DOLERITE, 1e6, 1, 0.1e6).checked()
+    history, remarks = _simulated(pair, conditions, (), None)
+    assert remarks == []
+    assert "snapshot_stress" not in history
+
+
+@pytest.mark.parametrize(("gap", "count"), [(3.0, 1), (12.0, 2)])
+def test_points_apart_by_many_times_their_distance_are_patches(gap, count):
+    x, y = (part.ravel() for part in np.meshgrid(np.arange(20.0), np.arange(10.0)))
+    x = np.where(x < 10.0, x, x + gap - 1.0)
+    assert len(np.unique(patches(SPACING * np.column_stack([x, y])))) == count
 
 
 @pytest.fixture(scope="module")

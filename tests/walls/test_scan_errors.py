@@ -12,7 +12,7 @@ from jointclosure.uncertainty.variants import Variant, sources_of
 from jointclosure.walls.gridding import Cloud, Scan, filled, points_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope
-from jointclosure.walls.scan_defects import inspected
+from jointclosure.walls.scan_defects import cut_rim, inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
     noise_of_points,
@@ -60,17 +60,28 @@ def test_walls_are_displaced_as_a_motion_moves_points():
     np.testing.assert_allclose(moved[4:-4, 4:-4], expected[4:-4, 4:-4], atol=5e-3)
 
 
-@pytest.mark.parametrize("noise", [5e-6, 15e-6])
-def test_other_noise_changes_walls_by_its_size_and_takes_at_most_its_own_power(walls, noise):
-    known = float(np.sqrt(2.0) * noise)
-    scanned = noisy(walls, noise)
-    draws = [errors(known).with_other_noise(*scanned, n) for n in (1, 2)]
+@pytest.fixture(scope="module", params=[5e-6, 15e-6])
+def other_noise(request, walls):
+    """Deviation of the noise of scans, the scans, and two pairs with other noise."""
+    scanned = noisy(walls, request.param)
+    known = errors(float(np.sqrt(2.0) * request.param))
+    return request.param, scanned, [known.with_other_noise(*scanned, n) for n in (1, 2)]
+
+
+def test_other_noise_changes_walls_by_its_size(other_noise):
+    noise, scanned, draws = other_noise
+    for rough, *drawn in zip(scanned, *draws, strict=True):
+        for wall in drawn:
+            assert 0.5 * noise < np.std(wall - rough) < 1.2 * noise
+    assert 0.7 * noise < np.std(draws[0][0] - draws[1][0]) < 1.7 * noise
+
+
+def test_other_noise_takes_at_most_its_own_power(other_noise, walls):
+    _, scanned, draws = other_noise
     for true, rough, *drawn in zip(walls, scanned, *draws, strict=True):
         for wall in drawn:
             slopes = [rms_slope(one, SPACING) for one in (true, wall, rough)]
             assert 0.98 * slopes[0] < slopes[1] < 1.02 * slopes[2]
-            assert 0.5 * noise < np.std(wall - rough) < 1.2 * noise
-    assert 0.7 * noise < np.std(draws[0][0] - draws[1][0]) < 1.7 * noise
 
 
 def test_the_noise_may_be_all_that_keeps_mated_walls_apart():
@@ -83,20 +94,42 @@ def test_the_noise_may_be_all_that_keeps_mated_walls_apart():
     assert min(apart) < 0.5 * high < 0.8 * high < max(apart)
 
 
-def test_heights_in_holes_are_drawn_as_high_and_as_rough_as_the_walls_around_them(walls):
+@pytest.fixture(scope="module")
+def filled_holes(walls):
+    """Holes, the upper wall which is out of contact there, and two pairs with drawn heights."""
     holes = np.zeros(SHAPE, bool)
     for y, x in np.ndindex(4, 4):
         holes[20 * y + 5 : 20 * y + 11, 20 * x + 5 : 20 * x + 11] = True
-    upper = np.where(holes, walls[0] - 0.5e-3, walls[0])  # out of contact
-    drawn = [errors()._replace(holes=holes).with_filled_holes(upper, walls[1], n) for n in (1, 2)]
-    true = sum(walls)
+    upper = np.where(holes, walls[0] - 0.5e-3, walls[0])
+    known = errors()._replace(holes=holes)
+    return holes, upper, [known.with_filled_holes(upper, walls[1], n) for n in (1, 2)]
+
+
+def test_only_heights_in_holes_are_drawn(filled_holes, walls):
+    holes, upper, drawn = filled_holes
     for pair in drawn:
         np.testing.assert_array_equal(pair[1], walls[1])
         np.testing.assert_array_equal(pair[0][~holes], upper[~holes])
-        apart = (sum(pair) - true)[holes]
+
+
+def test_heights_in_holes_are_as_high_as_the_walls_around_them(filled_holes, walls):
+    holes, _, drawn = filled_holes
+    for pair in drawn:
+        apart = (sum(pair) - sum(walls))[holes]
         assert abs(apart.mean()) < 0.1e-3
+
+
+def test_heights_in_holes_are_as_rough_as_the_walls_around_them(filled_holes, walls):
+    holes, _, drawn = filled_holes
+    true = sum(walls)
+    for pair in drawn:
         steps = [rms_slope(np.where(holes, field, true), SPACING) for field in (sum(pair), true)]
         assert steps[0] == pytest.approx(steps[1], rel=0.1)
+
+
+def test_heights_in_holes_differ_between_draws_as_from_the_true_ones(filled_holes, walls):
+    holes, _, drawn = filled_holes
+    apart = (sum(drawn[1]) - sum(walls))[holes]
     between = (drawn[0][0] - drawn[1][0])[holes].std()
     assert 0.7 * apart.std() < between < 2.0 * apart.std()
 
@@ -158,7 +191,7 @@ def test_roughness_below_the_grid_is_no_noise_of_the_scanner():
     assert noise_of(turned, fine[::2, ::2])[1] > 10e-6
 
 
-def test_noise_is_found_beside_missing_and_rounded_heights():
+def test_noise_is_found_beside_missing_or_rounded_heights():
     fine, _ = jc.wall_pair(6.0, (256, 256), SPACING / 2.0, 5, 0.8, unusual_values=True)
     random = np.random.default_rng(5)
     heights = np.round(fine[::2, ::2] + 15e-6 * random.standard_normal((128, 128)), 5)
@@ -229,10 +262,19 @@ def test_undamaged_scans_receive_no_warning(hurst, noise):
             np.testing.assert_array_equal(scan.heights, wall)
 
 
-@pytest.mark.parametrize("step", [1e-6, 1e-4])
-def test_rounding_of_heights_is_measured_and_compared_with_the_slope_that_it_raises(step, walls):
-    scan = scan_of(np.round(walls[1] / step) * step)
+@pytest.fixture(params=[1e-6, 1e-4])
+def rounded(request, walls):
+    """A step, and a scan whose heights are rounded to it."""
+    return request.param, scan_of(np.round(walls[1] / request.param) * request.param)
+
+
+def test_rounding_of_heights_is_measured(rounded):
+    step, scan = rounded
     assert rounding_of(scan).heights == pytest.approx(step, rel=1e-6)
+
+
+def test_rounding_of_heights_is_compared_with_the_slope_that_it_raises(rounded, walls):
+    step, scan = rounded
     remarks = resolution_remarks(scan, scan.heights, SPACING)
     assert len(remarks) == (step > 1e-5)
     if remarks:
@@ -340,6 +382,14 @@ def test_defects_of_a_grid_are_undone_with_a_warning(damage, walls):
     assert max(shares) > 0.985  # up to the rim of a filled hole
 
 
+@pytest.mark.parametrize("height", [-1e-3, 2e-3])
+def test_a_patch_near_an_edge_is_not_taken_for_a_raised_rim(height):
+    wall = jc.wall_pair(8.0, (44, 52), SPACING, 1, mismatch_wavelength=2e-3, roll_off=None)[0]
+    wall = np.array(wall)
+    wall[2:9, 20:28] = height
+    assert cut_rim(scan_of(wall)).heights.shape == wall.shape
+
+
 def test_blocks_of_equal_heights_are_one_height_each(walls):
     scan = inspected(scan_of(np.kron(walls[1][1::2, 1::2], np.ones((2, 2)))[1:, :]))
     np.testing.assert_array_equal(scan.heights, walls[1][3::2, 1::2])
@@ -349,7 +399,7 @@ def test_blocks_of_equal_heights_are_one_height_each(walls):
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
-def test_lost_waves_are_drawn_with_the_power_of_the_wall_and_its_mate(share, walls):
+def test_lost_waves_are_drawn_with_the_power_of_wall_and_mate(share, walls):
     scanned = tuple(scipy.ndimage.gaussian_filter(wall, 1.0 + share) for wall in walls)
     lost = 7.55 * (1.0 + share)
     known = errors()._replace(waves=(lost, lost))
@@ -362,37 +412,70 @@ def test_lost_waves_are_drawn_with_the_power_of_the_wall_and_its_mate(share, wal
         assert 0.7 * slopes[-1] < np.median(slopes[1:-1]) < 1.4 * slopes[-1]
 
 
-def test_a_joint_has_a_spacing_that_its_scans_resolve_and_its_range_the_usual_one(walls):
-    smooth = [scipy.ndimage.uniform_filter(wall, 3) for wall in walls]
-    pair, stated = as_scanned(*smooth), as_scanned(*smooth, spacing=SPACING)
+@pytest.fixture(scope="module")
+def smooth(walls):
+    """A joint of scans that resolve no short waves: by itself, and at the usual spacing."""
+    scans = [scipy.ndimage.uniform_filter(wall, 3) for wall in walls]
+    return as_scanned(*scans), as_scanned(*scans, spacing=SPACING)
+
+
+def test_a_joint_has_a_spacing_that_its_scans_resolve(smooth):
+    pair, stated = smooth
     assert pair.waves[0] == pytest.approx(6.4 * SPACING, rel=0.25)
     assert pair.spacing >= 0.5 * max(pair.waves) > stated.spacing == SPACING
     assert "which the scans resolve" in " ".join(pair.warnings)
+
+
+def test_the_range_of_a_smooth_joint_has_the_usual_spacing(smooth):
+    pair, stated = smooth
     np.testing.assert_allclose(pair.fine.upper, stated.upper)
     conditions = Conditions(pair.spacing, "granite", 10e6, 1).checked()
     sources = sources_of(conditions, pair.upper.shape, {}, pair.errors)
     assert {"spacing", "resolution"} <= set(sources)
     (usual,) = sources["spacing"].values[1:]
-    joint = Variant("", "", conditions)
-    assert joint.changed("spacing", usual).conditions.spacing == pytest.approx(SPACING)
-    fine = joint.changed("spacing", usual).walls(pair.upper, pair.lower, pair.errors)
+    changed = Variant("", "", conditions).changed("spacing", usual)
+    assert changed.conditions.spacing == pytest.approx(SPACING)
+    fine = changed.walls(pair.upper, pair.lower, pair.errors)
     np.testing.assert_array_equal(fine[0], stated.upper)
-    drawn = joint.changed("resolution", 1).walls(pair.upper, pair.lower, pair.errors)
+
+
+def test_the_range_of_a_smooth_joint_has_rougher_walls(smooth):
+    pair, _ = smooth
+    conditions = Conditions(pair.spacing, "granite", 10e6, 1).checked()
+    changed = Variant("", "", conditions).changed("resolution", 1)
+    drawn = changed.walls(pair.upper, pair.lower, pair.errors)
     assert drawn[0].shape == pair.upper.shape
     assert rms_slope(sum(drawn), 1.0) > 1.2 * rms_slope(pair.upper + pair.lower, 1.0)
 
 
-def test_sharp_scans_have_the_usual_spacing_and_no_lost_waves(walls):
-    pair = as_scanned(*walls)
-    assert (pair.spacing, pair.fine, pair.waves) == (SPACING, None, (0.0, 0.0))
-    assert not pair.warnings
-    assert (pair.errors.step, pair.errors.waves, pair.errors.scale) == (1, (0.0, 0.0), 1.0)
+@pytest.fixture(scope="module")
+def sharp(walls):
+    return as_scanned(*walls)
 
 
-@pytest.mark.parametrize("scale", [1.0, 1.1])
-def test_heights_of_one_wall_in_another_scale_are_warned_of_and_in_the_range(scale, walls):
-    pair = as_scanned(scale * walls[0], walls[1])
+def test_sharp_scans_have_the_usual_spacing(sharp):
+    assert (sharp.spacing, sharp.fine) == (SPACING, None)
+    assert not sharp.warnings
+    assert (sharp.errors.step, sharp.errors.scale) == (1, 1.0)
+
+
+def test_sharp_scans_have_no_lost_waves(sharp):
+    assert sharp.waves == sharp.errors.waves == (0.0, 0.0)
+
+
+@pytest.fixture(scope="module", params=[1.0, 1.1])
+def scaled(request, walls):
+    """A factor of the heights of the upper wall, and the joint."""
+    return request.param, as_scanned(request.param * walls[0], walls[1])
+
+
+def test_heights_of_one_wall_in_another_scale_are_warned_of(scaled):
+    scale, pair = scaled
     assert ("calibrate both scans" in " ".join(pair.warnings)) == (scale != 1.0)
+
+
+def test_heights_of_one_wall_in_another_scale_are_in_the_range(scaled):
+    scale, pair = scaled
     assert pair.errors.scale == pytest.approx(scale, rel=0.02)
     one, other = pair.errors.with_one_scale(pair.upper, pair.lower, 1)
     assert scale_of(one, other)[0] == pytest.approx(1.0, rel=0.02)
@@ -406,4 +489,4 @@ def test_walls_that_do_not_mate_have_no_scale():
 def test_rounding_that_changes_the_sum_of_the_walls_is_in_the_noise_of_the_range(walls):
     step = 1e-4
     pair = as_scanned(*(np.round(wall / step) * step for wall in walls))
-    assert pair.errors.noise[0] >= 0.99 * step * np.sqrt(2.0 / 12.0)
+    assert min(pair.errors.noise) >= 0.99 * step * np.sqrt(2.0 / 12.0)

@@ -1,4 +1,4 @@
-"""From a scan to the walls of a joint."""
+"""The walls of a joint, on a grid, from the points or the grid of a scan."""
 
 import re
 
@@ -103,9 +103,12 @@ def test_an_inclined_grid_has_the_slopes_of_the_level_wall(degrees):
         assert np.nanstd(np.diff(sheared, axis=1)) > 1.08 * truth
 
 
-def test_a_level_scan_is_left_and_a_steep_one_is_refused(wall):
+def test_a_level_scan_is_left_as_it_is(wall):
     for given in (scan(tilted(wall, 4.0)), Cloud(inclined(wall, 1.5))):
         assert levelled(given) == (given, None)
+
+
+def test_a_steep_scan_is_refused(wall):
     with pytest.raises(jc.InputError, match=r"inclined by 50\.0 degrees: at most 45"):
         levelled(scan(tilted(wall, 50.0)))
 
@@ -175,26 +178,48 @@ def test_scattered_points_of_a_smooth_wall_give_its_heights_but_not_in_holes():
     assert np.isnan(found[np.hypot(at_y - 5e-3, at_x - 5e-3) < 1.7e-3]).all()
 
 
-def test_linear_filling_follows_a_slope_and_nearest_does_not():
+@pytest.fixture
+def slope():
     y, x = np.indices((30, 30))
-    slope = 2e-5 * x + 1e-5 * y
-    holed = slope.copy()
-    holed[10:14, 20:23] = np.nan
+    return 2e-5 * x + 1e-5 * y
+
+
+@pytest.fixture
+def holed(slope):
+    """A slope with a hole."""
+    heights = slope.copy()
+    heights[10:14, 20:23] = np.nan
+    return heights
+
+
+def test_linear_filling_follows_a_slope(holed, slope):
     np.testing.assert_allclose(filled(holed, "linear"), slope, atol=1e-15)
+
+
+def test_nearest_filling_does_not_follow_a_slope(holed, slope):
     near = filled(holed, "nearest")
     assert np.isfinite(near).all()
     assert np.abs(near - slope).max() > 1e-5
-    # beyond all cells there is nothing to go on but the nearest
+
+
+def test_linear_filling_beyond_all_cells_takes_the_nearest_ones(holed):
     holed[:2] = np.nan
     assert np.isfinite(filled(holed, "linear", 0.1)).all()
 
 
-def test_missing_cells_are_refused_with_their_number_and_no_more_is_filled_than_allowed(wall):
+def test_missing_cells_may_be_refused_with_their_number(wall):
     wall[4, 7] = wall[4, 8] = np.nan
     with pytest.raises(jc.InputError, match=r"2 of 2080 cells .* first at \(y, x\) = \(4, 7\)"):
         filled(wall, "refuse")
+
+
+def test_missing_cells_that_are_to_be_avoided_stay(wall):
+    wall[4, 7] = wall[4, 8] = np.nan
     assert filled(wall, "avoid") is wall
-    wall[:4] = np.nan
+
+
+def test_no_more_cells_are_filled_than_allowed(wall):
+    wall[4, 7] = wall[4, 8] = wall[:4] = np.nan
     with pytest.raises(jc.InputError, match=r"210 of 2080 .* 0.101, at most 0.05 may be filled"):
         filled(wall, "nearest")
     assert np.isfinite(filled(wall, "nearest", 0.11)).all()
@@ -224,21 +249,30 @@ def test_a_strip_beside_the_rim_of_a_scan_is_not_filled_between_its_far_ends():
     np.testing.assert_array_equal(np.isnan(whole), np.isnan(wall) & (np.arange(9) == 0))
 
 
-def test_grids_of_points_are_no_finer_than_these_and_not_far_larger():
-    places = np.random.default_rng(6).random((400, 3)) * [10e-3, 10e-3, 1e-4]
-    cloud, regular = Cloud(places), scan(1e-4 * places[:, 2].reshape(20, 20))
-    distance = point_distance(cloud)
-    for of, least in ((cloud, 0.8 * distance), (regular, 0.99 * SPACING)):
+@pytest.fixture(scope="module")
+def cloud():
+    """400 points at random places."""
+    return Cloud(np.random.default_rng(6).random((400, 3)) * [10e-3, 10e-3, 1e-4])
+
+
+def test_grids_are_no_finer_than_their_points(cloud):
+    regular = scan(1e-4 * cloud.points[:, 2].reshape(20, 20))
+    for of, least in ((cloud, 0.8 * point_distance(cloud)), (regular, 0.99 * SPACING)):
         assert np.isfinite(wall_on_grid(of, 1.01 * least)).any()
         with pytest.raises(jc.InputError, match="finer than the scan"):
             wall_on_grid(of, 0.98 * least)
-    for side, refused in ((1.9, False), (2.1, True)):  # 100 cells for each of 400 points
-        box = np.array([[0.0, 0.0], [side * 100 * distance] * 2])
-        if refused:
-            with pytest.raises(jc.InputError, match="at most 100 cells for each point"):
-                wall_on_grid(cloud, distance, box)
-        else:
-            assert wall_on_grid(cloud, distance, box).size < 100 * 400
+
+
+def test_grids_are_not_far_larger_than_their_points(cloud):
+    """100 cells for each of 400 points."""
+    distance = point_distance(cloud)
+    boxes = [np.array([[0.0, 0.0], [side * 100 * distance] * 2]) for side in (1.9, 2.1)]
+    assert wall_on_grid(cloud, distance, boxes[0]).size < 100 * 400
+    with pytest.raises(jc.InputError, match="at most 100 cells for each point"):
+        wall_on_grid(cloud, distance, boxes[1])
+
+
+def test_three_heights_are_too_few_for_a_wall():
     with pytest.raises(jc.InputError, match="3 heights: too few for a wall"):
         wall_on_grid(scan(np.array([[0.0, 1e-5, 2e-5], [np.nan] * 3, [np.nan] * 3])), SPACING)
 

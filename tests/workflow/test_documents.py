@@ -27,11 +27,11 @@ from tests.studied import DEFAULT, ROOT, study_of
 DOCUMENTS = sorted(p for where in ("", "config/**/", "docs/**/") for p in ROOT.glob(f"{where}*.md"))
 
 
-def test_the_key_table_and_the_schema_are_those_of_the_keys(monkeypatch):
+@pytest.mark.parametrize(("file", "function"), [("README.md", "main"), ("schema.json", "schema")])
+def test_a_description_of_the_keys_is_that_of_the_keys(file, function, monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    key_table = importlib.import_module("key_table")
-    for file, made in (("README.md", key_table.main), ("schema.json", key_table.schema)):
-        assert (ROOT / "config" / file).read_text(encoding="utf-8") == made(), file
+    made = getattr(importlib.import_module("key_table"), function)()
+    assert (ROOT / "config" / file).read_text(encoding="utf-8") == made
 
 
 def test_a_caption_speaks_of_the_law_of_made_walls_only_where_walls_are_made():
@@ -104,17 +104,24 @@ def test_yaml_samples_are_valid_studies(codes):
         study_of(written_out(sample))
 
 
-@pytest.mark.parametrize("codes", samples("(?:bash|sh)"))
-def test_shell_samples_name_what_there_is_and_joints_are_closed(codes, project, capsys):
+SHELL_SAMPLES = pytest.mark.parametrize("codes", samples("(?:bash|sh)"))
+
+
+def commands_in(codes):
+    """Programs of this project and their words in each line of shell samples."""
+    lines = [shlex.split(line, comments=True) for code in codes for line in code.splitlines()]
+    return [(line[0].removeprefix(".venv/bin/"), line[1:]) for line in lines if line]
+
+
+@SHELL_SAMPLES
+def test_shell_samples_name_what_there_is(codes, project):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)
     rules = re.findall(
         r"^(?: {4})?(?:rule|checkpoint) (\w+):",
         "\n".join(file.read_text() for file in (ROOT / "workflow/rules").glob("*.smk")),
         re.M,
     )
-    lines = [shlex.split(line, comments=True) for code in codes for line in code.splitlines()]
-    for program, *words in filter(None, lines):
-        program = program.removeprefix(".venv/bin/")
+    for program, words in commands_in(codes):
         if program == "make":
             assert words[0] in targets
             for word in words[1:]:
@@ -125,8 +132,14 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(codes, project, 
             for word in words:
                 assert word.startswith(("-", "results/")) or word in rules or (ROOT / word).exists()
         elif program == "jointclosure":
-            arguments = cli.parser(words).parse_args(words)
-            if words[0] == "simulate":
-                assert arguments.run(arguments) == 0
+            cli.parser(words).parse_args(words)
         else:
             raise AssertionError(f"who is to run {program}?")
+
+
+@SHELL_SAMPLES
+def test_joints_of_shell_samples_are_closed(codes, project, capsys):
+    for program, words in commands_in(codes):
+        if program == "jointclosure" and words[0] == "simulate":
+            arguments = cli.parser(words).parse_args(words)
+            assert arguments.run(arguments) == 0

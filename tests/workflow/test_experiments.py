@@ -1,4 +1,4 @@
-"""Every experiment as a study of seconds: what is planned, its files, and nothing is done twice."""
+"""Every experiment as a study of seconds: what is planned of it, and what it has in the end."""
 
 import re
 import shutil
@@ -34,25 +34,54 @@ def files_of(results, name: str) -> list:
     ]
 
 
-def test_an_experiment_is_planned_by_jobs_tables_and_figures_and_what_is_lost_alone(tmp_path):
-    """A wavelength more is one job more, and all tables of it."""
-    config, results = experiment(tmp_path / "planned", "mismatch")
-    folder, settings = tmp_path / "planned", {"config": config}
-    pretend(folder, "mismatch", **settings)
-    jobs, tables, figures = (
-        [file for file in files_of(results, "mismatch") if file.suffix in kind]
-        for kind in ((".nc",), (".csv", ".md"), (".png",))
-    )
-    assert all(file.is_file() for file in (*jobs, *tables, *figures))
-    tables[0].unlink()
-    lost = planned(folder, "mismatch", **settings)
-    assert (lost["tabulate_experiment"], "close_points" in lost) == (1, False)
-    jobs[0].unlink()
-    assert planned(folder, "mismatch", **settings)["close_points"] == 1
-    text = (folder / config).read_text()
-    (folder / config).write_text(text.replace("[3, 1]", "[3, 2, 1]"))
-    assert planned(folder, "mismatch", **settings)["close_points"] == 2
+@pytest.fixture(scope="module")
+def pretended_mismatch(tmp_path_factory):
+    """The small study of mismatch, as finished, with empty files."""
+    folder = tmp_path_factory.mktemp("mismatch") / "planned"
+    config, _ = experiment(folder, "mismatch")
+    pretend(folder, "mismatch", config=config)
+    return folder
+
+
+@pytest.fixture
+def mismatch(pretended_mismatch, tmp_path):
+    """A copy of it, to be changed: its folder, its results, and function that plans it."""
+    folder = shutil.copytree(pretended_mismatch, tmp_path / "copied", symlinks=True)
+    results = folder / "results" / tiny("mismatch")["study"]["name"]
+    return folder, results, lambda: planned(folder, "mismatch", config="tiny_mismatch.yaml")
+
+
+def mismatch_files(results, *kinds):
+    return [file for file in files_of(results, "mismatch") if file.suffix in kinds]
+
+
+def test_an_experiment_is_planned_by_jobs_tables_and_figures(mismatch):
+    _, results, _ = mismatch
+    jobs = mismatch_files(results, ".nc")
+    assert all(file.is_file() for file in (*jobs, *mismatch_files(results, ".csv", ".md", ".png")))
     assert len(re.findall(r"\w+um", " ".join(file.name for file in jobs))) == 2
+
+
+def test_a_table_that_is_lost_is_planned_without_joints(mismatch):
+    _, results, plan = mismatch
+    mismatch_files(results, ".csv", ".md")[0].unlink()
+    lost = plan()
+    assert (lost["tabulate_experiment"], "close_points" in lost) == (1, False)
+
+
+def test_a_job_that_is_lost_is_planned_alone(mismatch):
+    _, results, plan = mismatch
+    mismatch_files(results, ".nc")[0].unlink()
+    assert plan()["close_points"] == 1
+
+
+def test_a_wavelength_more_is_one_job_more(mismatch):
+    """Besides one that is lost."""
+    folder, results, plan = mismatch
+    mismatch_files(results, ".nc")[0].unlink()
+    config = folder / "tiny_mismatch.yaml"
+    config.write_text(config.read_text().replace("[3, 1]", "[3, 2, 1]"))
+    assert plan()["close_points"] == 2
 
 
 def test_a_section_that_the_configuration_lacks_is_refused_in_a_line(tmp_path):
@@ -63,12 +92,19 @@ def test_a_section_that_the_configuration_lacks_is_refused_in_a_line(tmp_path):
     assert "Traceback (most recent call last)" not in printed
 
 
+@pytest.fixture(scope="module", params=sections())
+def finished(request, tmp_path_factory):
+    """Name of an experiment, its finished folder, its configuration and its results."""
+    folder = tmp_path_factory.mktemp("finished") / request.param
+    config, results = experiment(folder, request.param)
+    snakemake(folder, request.param, config=config)
+    return request.param, folder, config, results
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sections())
-def test_an_experiment_has_all_its_files_and_is_done_once(name, tmp_path):
-    config, results = experiment(tmp_path / name, name)
-    folder, study = tmp_path / name, study_of(tiny(name))
-    snakemake(folder, name, config=config)
+def test_an_experiment_has_all_its_files(finished):
+    name, _, _, results = finished
+    study = study_of(tiny(name))
     for file in files_of(results, name):
         if file.suffix == ".md":
             assert file.read_text().count("|") > 10
@@ -82,11 +118,16 @@ def test_an_experiment_has_all_its_files_and_is_done_once(name, tmp_path):
             assert len(as_table([joints])) == sum(rows)
         else:
             assert file.stat().st_size > 10000
+
+
+@pytest.mark.slow
+def test_an_experiment_is_done_once(finished):
+    name, folder, config, _ = finished
     assert planned(folder, name, config=config) == {}
 
 
 @pytest.mark.slow
-def test_an_estimate_closes_a_few_joints_and_states_the_time_of_all(tmp_path):
+def test_an_estimate_states_the_time_of_all_joints(tmp_path):
     config, results = experiment(tmp_path / "estimate", "mismatch")
     printed = snakemake(tmp_path / "estimate", "estimate", config=config)
     assert re.search(r"joints will take about", printed)

@@ -1,8 +1,9 @@
-"""A study of files of one's own: scanned walls and a measured curve of another rock."""
+"""A study of files of one's own, which are scanned walls of another rock with a measured curve."""
 
 import hashlib
 import json
 import os
+import shutil
 
 import numpy as np
 import pandas as pd
@@ -51,17 +52,28 @@ def mine(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_the_walls_and_the_curve_are_in_the_results_and_nothing_of_the_paper(mine):
-    tables, dataset = mine / "results/mine/tables", read_netcdf(mine / "results/mine/study.nc")
+def test_walls_of_a_file_are_in_the_results(mine):
+    dataset = read_netcdf(mine / "results/mine/study.nc")
     assert np.isnan(dataset.jrc.values).all()
     assert (dataset.max_closure.values > 0.0).all()
     stated = json.loads(dataset.attrs["walls"])["granite"]
     digest = hashlib.sha256((mine / "scans/lower.npz").read_bytes()).hexdigest()
     assert (stated["lower"]["sha256"], stated["partner"]) == (digest, "mirrored")
-    rocks = pd.read_csv(tables / "table_1_rocks.csv")
-    assert (rocks.lower_wall[0], rocks.measured[0]) == ("scans/lower.npz", "measured.csv")
+    rocks = pd.read_csv(mine / "results/mine/tables/table_1_rocks.csv")
+    assert rocks.lower_wall[0] == "scans/lower.npz"
+
+
+@pytest.mark.slow
+def test_a_measured_curve_is_in_the_results(mine):
+    tables = mine / "results/mine/tables"
+    assert pd.read_csv(tables / "table_1_rocks.csv").measured[0] == "measured.csv"
     fit = pd.read_csv(tables / "measured_fit.csv")
     assert fit.best_realization.isin([0, 1, 2]).all()
+
+
+@pytest.mark.slow
+def test_nothing_of_the_paper_is_in_the_results(mine):
+    tables = mine / "results/mine/tables"
     assert "paper" not in pd.read_csv(tables / "claims.csv")
     assert "paper_length" not in pd.read_csv(tables / "table_3_indifference.csv")
     figures = {path.stem for path in (mine / "results/mine/figures").iterdir()}
@@ -70,21 +82,37 @@ def test_the_walls_and_the_curve_are_in_the_results_and_nothing_of_the_paper(min
     }  # fmt: skip
 
 
-def test_changed_contents_rerun_what_reads_them_and_a_touch_nothing(tmp_path):
-    folder, settings = own_study(tmp_path / "mine"), {"config": "mine.yaml"}
-    pretend(folder, **settings)
-    scan, curve = folder / "scans/lower.npz", folder / "measured.csv"
-    os.utime(scan)
-    os.utime(curve)
-    assert planned(folder, **settings) == {}
-    curve.write_text(CURVE.replace("0.07", "0.08"))
-    jobs = planned(folder, **settings)
+@pytest.fixture(scope="module")
+def pretended_study(tmp_path_factory):
+    folder = own_study(tmp_path_factory.mktemp("pretended") / "mine")
+    pretend(folder, config="mine.yaml")
+    return folder
+
+
+@pytest.fixture
+def pretended_mine(pretended_study, tmp_path):
+    """A copy of the study as finished, with empty files, whose inputs may be changed."""
+    return shutil.copytree(pretended_study, tmp_path / "mine", symlinks=True)
+
+
+def test_a_touch_of_an_input_reruns_nothing(pretended_mine):
+    os.utime(pretended_mine / "scans/lower.npz")
+    os.utime(pretended_mine / "measured.csv")
+    assert planned(pretended_mine, config="mine.yaml") == {}
+
+
+def test_another_curve_reruns_what_reads_it(pretended_mine):
+    (pretended_mine / "measured.csv").write_text(CURVE.replace("0.07", "0.08"))
+    jobs = planned(pretended_mine, config="mine.yaml")
     assert {"fit_measured", "draw_figures"} <= set(jobs)
     assert not {"prepare_walls", "cut_windows", "close_joints", "aggregate"} & set(jobs)
-    curve.write_text(CURVE)
-    scanned(folder, 2)
-    os.utime(scan, (1e9, 1e9))  # older than the results: its contents count all the same
-    jobs = planned(folder, **settings)
+
+
+def test_another_scan_reruns_what_reads_it(pretended_mine):
+    scanned(pretended_mine, 2)
+    # older than the results: its contents count all the same
+    os.utime(pretended_mine / "scans/lower.npz", (1e9, 1e9))
+    jobs = planned(pretended_mine, config="mine.yaml")
     # walls, windows and joints of the only case
     assert [jobs[name] for name in ("prepare_walls", "cut_windows", "close_joints")] == [1, 1, 1]
 

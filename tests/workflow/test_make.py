@@ -1,4 +1,4 @@
-"""`make` and `snakemake`: what a user tells them is data, and both run the same study."""
+"""`make` and `snakemake` do the same with what a user states, which is data to both."""
 
 import fcntl
 import json
@@ -75,7 +75,7 @@ def test_set_up_is_refused_where_it_would_harm_or_fail(new, tmp_path):
         ("CORES", "-n"),
     ],
 )
-def test_what_make_gets_is_no_command_and_no_option(project, key, value):
+def test_what_make_gets_is_neither_a_command_nor_an_option(project, key, value):
     refused = make(project, "study", f"{key}={value}")
     assert refused.returncode != 0
     assert f"{value}: " in refused.stderr
@@ -112,16 +112,18 @@ def test_make_and_snakemake_plan_the_same_files_by_the_same_rules(project):
 WRONG = [("grid.cells_x", 2), ("study.colour", "red"), ("rocks.slate.jrc", "high")]
 
 
-def test_a_wrong_configuration_is_refused_in_one_line_a_key_by_snakemake_and_by_make(project):
+@pytest.mark.parametrize("program", ["snakemake", "make"])
+def test_a_wrong_configuration_is_refused_in_one_line_a_key(project, program):
     name = changed(project, "wrong.yaml", *WRONG)
-    direct = run_snakemake(project, config=name)
-    made = make(project, "study", f"CONFIG={name}")
-    for refused in (direct, made):
-        assert refused.returncode != 0
-        lines = (refused.stdout + refused.stderr).splitlines()
-        for place, value in WRONG:
-            assert len([line for line in lines if place in line and str(value) in line]) == 1
-        assert not [line for line in lines if line.startswith(("Traceback", "rule "))]
+    by_make = program == "make"
+    refused = (
+        make(project, "study", f"CONFIG={name}") if by_make else run_snakemake(project, config=name)
+    )
+    assert refused.returncode != 0
+    lines = (refused.stdout + refused.stderr).splitlines()
+    for place, value in WRONG:
+        assert len([line for line in lines if place in line and str(value) in line]) == 1
+    assert not [line for line in lines if line.startswith(("Traceback", "rule "))]
     assert not (project / "results").exists()
 
 
@@ -157,7 +159,7 @@ def at_work(project):
     shutil.rmtree(project / "results")
 
 
-def test_a_second_run_of_a_study_is_refused_and_looking_is_allowed(at_work):
+def test_a_second_run_of_a_study_is_refused(at_work):
     before = state_of(at_work)
     refused = run_snakemake(at_work)
     assert refused.returncode != 0
@@ -165,6 +167,11 @@ def test_a_second_run_of_a_study_is_refused_and_looking_is_allowed(at_work):
     assert "another run of the study tiny is at work here" in printed
     assert "Traceback" not in printed
     assert "--unlock" not in printed
+    assert state_of(at_work) == before
+
+
+def test_a_study_that_is_at_work_may_be_looked_at(at_work):
+    before = state_of(at_work)
     assert planned(at_work)["close_joints"] == 12
     assert state_of(at_work) == before
 
@@ -176,11 +183,21 @@ def test_another_study_runs_beside_one_that_is_at_work(at_work):
 
 
 @pytest.mark.slow
-def test_a_run_shows_how_far_it_is_its_closures_and_where_its_results_are(study):
-    printed = (study / "printed.txt").read_text()
-    assert re.search(r"^\d+ of 40 jobs are done, about .* left$", printed, re.M)
-    assert re.search(r"^slate: mean net closure since seating .* mm on cycle 1", printed, re.M)
-    assert "Results are in results/tiny/" in printed
+@pytest.mark.parametrize(
+    "shown",
+    [
+        r"^\d+ of 40 jobs are done, about .* left$",
+        r"^slate: mean net closure since seating .* mm on cycle 1",
+        "Results are in results/tiny/",
+    ],
+    ids=["progress", "closures", "place of results"],
+)
+def test_a_run_shows_what_a_user_waits_for(study, shown):
+    assert re.search(shown, (study / "printed.txt").read_text(), re.M)
+
+
+@pytest.mark.slow
+def test_make_does_nothing_for_a_finished_study(study):
     done = make(study, "study", "CONFIG=tiny.yaml")
     assert (done.returncode, "Nothing to be done" in done.stdout + done.stderr) == (0, True)
 
@@ -210,23 +227,41 @@ def rounds_of(folder: Path) -> list[dict]:
     return sorted((json.loads(plan.read_text()) for plan in plans), key=lambda p: p["round"])
 
 
-@pytest.mark.slow
-def test_surfaces_are_added_until_an_accuracy_is_reached_the_same_by_make_and_snakemake(tmp_path):
-    by_make, direct = (checkout(tmp_path / name) for name in ("make", "direct"))
-    for folder in (by_make, direct):
-        config = request(folder, "accurate", "within: 0.25, most: 400")
-    done = make(by_make, "study", f"CONFIG={config}")
+def accurate_study(folder: Path) -> str:
+    """Write a study with an accuracy to a checkout; its configuration."""
+    return request(checkout(folder), "accurate", "within: 0.25, most: 400")
+
+
+@pytest.fixture(scope="module")
+def accurate(tmp_path_factory):
+    """Folder and configuration of a study that `make` ended with an accuracy, and its print."""
+    folder = tmp_path_factory.mktemp("accurate") / "make"
+    config = accurate_study(folder)
+    done = make(folder, "study", f"CONFIG={config}")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "accuracy: mean within 25 % reached" in done.stdout + done.stderr
-    rounds = rounds_of(by_make)
+    return folder, config, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_surfaces_are_added_until_an_accuracy_is_reached(accurate):
+    folder, _, printed = accurate
+    assert "accuracy: mean within 25 % reached" in printed
+    rounds = rounds_of(folder)
     assert rounds[-1]["ended"]
     assert len(rounds) > 2, "no surface was added"
-    table = read_csv(by_make / "results/accurate/tables/accuracy_reached.csv")
+    table = read_csv(folder / "results/accurate/tables/accuracy_reached.csv")
     assert table.met.all()
     assert (table.surfaces == rounds[-1]["cases"]).all()
+
+
+@pytest.mark.slow
+def test_make_and_snakemake_add_the_same_surfaces(accurate, tmp_path):
+    folder, config, _ = accurate
+    direct = tmp_path / "direct"
+    accurate_study(direct)
     snakemake(direct, config=config)
-    assert rounds_of(direct) == rounds
-    assert planned(direct, config=config) == planned(by_make, config=config) == {}
+    assert rounds_of(direct) == rounds_of(folder)
+    assert planned(direct, config=config) == planned(folder, config=config) == {}
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Runs that are ended or killed lose nothing, and files that are not of a study become no table.
+"""No result is lost or wrong, whatever ends a run or spoils a file.
 
 `JOINTCLOSURE_KILLS=20 pytest -m slow tests/workflow/test_nothing_lost.py` kills twenty times.
 """
@@ -233,29 +233,40 @@ def test_an_interrupt_of_a_run_is_stated_in_lines_without_a_traceback(tmp_path):
     assert "Traceback" not in printed
 
 
-@pytest.mark.slow
-def test_of_two_runs_of_a_study_one_is_refused_and_another_study_runs_beside(smallest, tmp_path):
-    folder = runs.checkout(tmp_path / "two")
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory):
+    """A folder in which a study ran beside another one, a second run of it, and how both ended."""
+    folder = runs.checkout(tmp_path_factory.mktemp("beside") / "two")
     text = (folder / "smallest.yaml").read_text()
     (folder / "other.yaml").write_text(text.replace("name: smallest", "name: other"))
-    first, beside = started(folder, make()), started(folder, make("other.yaml"))
+    first, other = started(folder, make()), started(folder, make("other.yaml"))
     while not (folder / "results/smallest/logs").exists():
         assert first.poll() is None
         time.sleep(0.1)
-    refused = runs.answer(make(), folder)
+    second = runs.answer(make(), folder)
+    at_work = "close_joints" in runs.planned(folder, config="other.yaml") or other.poll() == 0
+    return folder, second, at_work, (first.wait(), other.wait())
+
+
+@pytest.mark.slow
+def test_of_two_runs_of_a_study_one_is_refused(beside):
+    _, refused, _, _ = beside
     assert refused.returncode != 0
     assert "another run of the study smallest is at work here" in refused.stdout + refused.stderr
-    assert "close_joints" in runs.planned(folder, config="other.yaml") or beside.poll() == 0
-    assert (first.wait(), beside.wait()) == (0, 0), (folder / "output.txt").read_text()
+
+
+@pytest.mark.slow
+def test_another_study_runs_beside(beside, smallest):
+    folder, _, at_work, ended = beside
+    assert at_work
+    assert ended == (0, 0), (folder / "output.txt").read_text()
     runs.assert_same(folder / "results/smallest", smallest / "results/smallest")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("whom", ["make", "group"])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
-    tmp_path, number, whom
-):
+def test_a_set_up_that_is_ended_leaves_nothing_that_counts(tmp_path, number, whom):
     if (number, whom) == (signal.SIGINT, "make"):
         pytest.skip("make hands an interrupt on to nobody: a terminal signals the group")
     for name in runs.NEEDED:
@@ -297,7 +308,7 @@ def emptied(results: Path, name: str) -> None:
 @pytest.mark.parametrize("spoil", [truncated, flipped, foreign, emptied])
 @pytest.mark.parametrize("name", [CASE, "study.nc"])
 @pytest.mark.parametrize("kept", [True, False], ids=["times kept", "new times"])
-def test_a_spoilt_dataset_is_an_error_that_names_it_and_becomes_no_table(copied, name, spoil, kept):
+def test_a_spoilt_dataset_is_an_error_before_any_table_is_made(copied, name, spoil, kept):
     """Snakemake does not see such files where their times are kept: their readers do."""
     results = copied / RESULTS
     before = (results / name).stat()

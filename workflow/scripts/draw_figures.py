@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from jointclosure.storage.files import read_csv, write
+from jointclosure.storage.files import read_csv
+from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.frame.checked_files import reading_checked

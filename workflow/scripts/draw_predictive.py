@@ -1,6 +1,7 @@
 """Draw Table 3 as it is distributed over repetitions of the study, as PNG and PDF."""
 
-from jointclosure.storage.files import read_csv, write
+from jointclosure.storage.files import read_csv
+from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked, reading_checked
 from studies.paper.figures import predictive_figure

@@ -1,6 +1,6 @@
 """Make a table of the joints of an experiment."""
 
-from jointclosure.storage.files import write
+from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
 from studies.frame.points import experiment_named

@@ -42,9 +42,10 @@ PRIORS = {
 three squares: of a number; of a share of the largest change of a closure; and of a number over the
 root of the number of broken cells, because few contacts break by chance. The values are the most
 likely ones at random conditions other than those of `benchmarks/effects_auto.py`."""
-SCATTER, WEIGHT = 0.1, 2.0
-"""Standard deviation of the change in a joint [1] that is expected before joints show it, and the
-number of joints that this counts for."""
+SCATTER = 0.1
+"""Standard deviation of the change in a joint [1] that is expected before joints show it."""
+WEIGHT = 2.0
+"""Number of joints that this expectation counts for."""
 ENOUGH = 0.6  # probability of changes within the tolerance from which effects are left out
 LIMIT = 2.5  # limit of a change, in deviations; its tails are longer than normal
 PART = 0.1

@@ -23,8 +23,10 @@ from jointclosure.storage.provenance import versions_of
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
-_MEMORY_OF_A_JOB, _DISK_OF_A_STUDY = 0.5e9, 1e9
-"""Memory of a job and disk space of the paper's study in bytes: at most 415 MB, and 0.2 GB."""
+_MEMORY_OF_A_JOB = 0.5e9
+"""Memory [bytes] that a job should find; the largest job of the paper's study took 415 MB."""
+_DISK_OF_A_STUDY = 1e9
+"""Disk space [bytes] that a study should find; the paper's study took 0.2 GB."""
 
 
 def declare(command: argparse.ArgumentParser) -> None:

@@ -17,7 +17,7 @@ from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UN
 from jointclosure.measured.joints import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
-from jointclosure.storage.files import check_record
+from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
 from jointclosure.walls.roughness import RELATIONS

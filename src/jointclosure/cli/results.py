@@ -23,7 +23,7 @@ from jointclosure.joint.tables import (
     members,
 )
 from jointclosure.statistics.standard_errors import number_text, significant
-from jointclosure.storage.files import replace_files, write
+from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED

@@ -4,7 +4,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-_BETWEEN_LINES, _PART = 30.0, 0.1  # time [s], or share of the work, between two lines
+_BETWEEN_LINES = 30.0  # time [s] between two lines
+_PART = 0.1  # share of the work between two lines
 FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
 
 

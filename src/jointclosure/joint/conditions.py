@@ -25,9 +25,10 @@ from jointclosure.parameters import (
 USUAL_CYCLES = 2
 MOST_CYCLES = 10_000
 SEATING_STRESS = 0.5e6  # usual stress [Pa] from which seated closures count, as in laboratories
-LARGEST_SEATING, _SEATING_SHARE = 0.9, 0.1
-"""Largest seating stress, and the default where the usual one is too large, both over the smallest
-maximum of the load."""
+LARGEST_SEATING = 0.9
+"""Largest seating stress over the smallest maximum of the load."""
+_SEATING_SHARE = 0.1
+"""Default seating stress over the smallest maximum of the load, where the usual one is larger."""
 
 
 class LoadCycle(NamedTuple):

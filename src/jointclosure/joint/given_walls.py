@@ -9,8 +9,10 @@ import xarray as xr
 from jointclosure.inputs import LENGTHS, InputError, real_array, size_of
 from jointclosure.walls.plausibility import doubts
 
-_SAME_PLACE, _SAME_STEP = 1e-6, 1e-3
-"""Largest differences of both walls' coordinates, and of their steps, over the spacing."""
+_SAME_PLACE = 1e-6
+"""Largest difference of the coordinates of both walls, over the spacing."""
+_SAME_STEP = 1e-3
+"""Largest difference of the steps of both walls, over the spacing."""
 
 
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:

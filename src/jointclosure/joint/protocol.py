@@ -30,11 +30,13 @@ Report = Callable[[int, str, float], None]
 """Called at every accepted step with its cycle, branch, and force over the cycle's maximum."""
 
 _SMALLEST_STEP = 1e-6  # share of a step, or the closure if less, below which stresses may jump
-_FEWEST_CONTACTS, _MOST_CRUSHED = 1000, 0.4
-"""Bounds within which the interaction may be left out: fewest cells that carry the largest force at
-a pressure of the strength, and largest share of the grid that they make up. With 300 to 600
-contacts means of second cycles moved by up to 12 %; above that share breakage takes nearly all of
-the time."""
+_FEWEST_CONTACTS = 1000
+"""Fewest cells that carry the largest force at a pressure of the strength, from which the
+interaction may be left out while asperities break. With 300 to 600 such cells means of second
+cycles moved by up to 12 %."""
+_MOST_CRUSHED = 0.4
+"""Largest share of the grid that these cells may make up for that: above it breakage takes nearly
+all of the time."""
 _MOST_SECANTS = 2
 """Trials above the target in a row that are followed by a secant through the last two of them."""
 _MOST_BELOW = 3

@@ -11,31 +11,55 @@ from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint, Settled
 
-_CORRECTION = 250.0  # allowed relative error of a step's predicted force, over the tolerance
-_VIRGIN, _LATER = (6.0, 45.0), (35.0, 175.0)
-"""Allowed changes of force in a step, relative to the maximum and to the force, each over
-`Numerics.tolerance`: beyond the former maximum (virgin loading), and elsewhere. Longer steps crush
-too many asperities."""
-_MOST_RISE, _STEEPEST, _FAINT = 0.1, 0.5, 0.01
-"""Largest allowed changes at any tolerance, relative to the maximum and to the force, and share of
-the maximum that is added to that force."""
-LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0  # over the configured step
-_AIM, _RETRY = 0.8, 0.4
-"""Change aimed at in the next step over the allowed change; ratio of the next step to the last one
-below which the last one is repeated."""
-_MOST_LOST = 0.75  # largest share of a predicted rise of force that breakage is expected to remove
-_RESIDUAL, _LOOSEST = 0.25, 0.04  # relative residual of a prediction over the rise, and bound
-_NEAR = 0.97  # target of a step that should reach the end of the loading, over the allowed rise
-_HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
-"""If a shortened step has more than the first share of the rise before, the next is at most the
-second share of it."""
+_CORRECTION = 250.0
+"""Allowed relative error of the predicted force of a step, over `Numerics.tolerance`. This and the
+next four constants were chosen so that the errors of a joint fall with its tolerance at the least
+time (docs/decisions.md#0010-resolved-breakage)."""
+_VIRGIN_OF_MAXIMUM = 6.0
+"""Allowed change of force in a step beyond the former maximum (virgin loading), relative to the
+maximum and over the tolerance. Longer steps crush too many asperities."""
+_VIRGIN_OF_FORCE = 45.0
+"""The same, relative to the present force."""
+_LATER_OF_MAXIMUM = 35.0
+"""Allowed change of force in a step elsewhere, relative to the maximum and over the tolerance."""
+_LATER_OF_FORCE = 175.0
+"""The same, relative to the present force."""
+_MOST_OF_MAXIMUM = 0.1
+"""Largest allowed change of force at any tolerance, relative to the maximum."""
+_MOST_OF_FORCE = 0.5
+"""Largest allowed change of force at any tolerance, relative to the present force."""
+_FAINT = 0.01
+"""Share of the maximum that is added to the present force where a change is relative to it."""
+LARGEST_STEP = 4.0
+"""Largest step over the configured one, on the first loading."""
+_SMALLEST_STEP = 1.0 / 64.0
+"""Smallest step over the configured one."""
+_AIM = 0.8
+"""Change that is aimed at in the next step, over the allowed change."""
+_RETRY = 0.4
+"""Ratio of the next step to the last one below which the last one is repeated."""
+_MOST_LOST = 0.75
+"""Largest share of a predicted rise of force that breakage is expected to remove."""
+_RESIDUAL = 0.25
+"""Relative residual of a prediction, over the rise that it predicts."""
+_LOOSEST = 0.04
+"""Largest relative residual of a prediction."""
+_NEAR = 0.97
+"""Target of a step that should reach the end of the loading, over the allowed rise."""
+_HARDLY_LESS = 0.8
+"""Share of the rise before from which a shortened step counts as hardly shortened: most of the
+contacts are then at their strength."""
+_MUCH_SHORTER = 0.35
+"""Largest share of a step that is taken next where it was hardly shortened."""
 _MOST_SHORTENED = 4
+"""Largest number of times that a step is shortened before it is taken."""
 _NEAR_SEATING = 0.05
 """Share of the seating force by which a state of an elastic branch may miss it."""
-_BEFORE_READING, _PART = 0.85, 0.2
-"""Steps of a virgin loading are shorter from the first share of a force at which it is read; their
-allowed change is at least the second share of the usual one. Forces go up and down, and longer
-steps miss the first peak."""
+_BEFORE_READING = 0.85
+"""Share of a force at which a virgin loading is read, from which its steps are shorter. Forces go
+up and down, and longer steps miss the first peak."""
+_PART = 0.2
+"""Least allowed change of these shorter steps, over the usual one."""
 
 
 class StepControl:
@@ -133,9 +157,11 @@ class StepControl:
     def _most_change(self, force: float) -> float:
         """Return the largest allowed change of force [N] of a step from a force [N]."""
         virgin = self._former <= force and self._former < self._target
-        rise, steepest = (self._tolerance * change for change in (_VIRGIN if virgin else _LATER))
+        rise = self._tolerance * (_VIRGIN_OF_MAXIMUM if virgin else _LATER_OF_MAXIMUM)
+        steepest = self._tolerance * (_VIRGIN_OF_FORCE if virgin else _LATER_OF_FORCE)
         faint = force + _FAINT * self._target
-        change = min(min(rise, _MOST_RISE) * self._target, min(steepest, _STEEPEST) * faint)
+        of_maximum = min(rise, _MOST_OF_MAXIMUM) * self._target
+        change = min(of_maximum, min(steepest, _MOST_OF_FORCE) * faint)
         if virgin:
             for reading in self._readings:
                 if force < reading:

@@ -150,11 +150,13 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> MeasuredBranch:
         values - np.interp(order, centres, mean)
         for values, mean in zip((stress, closure), means, strict=True)
     ]
-    rises, closes = (np.gradient(scipy.optimize.isotonic_regression(mean).x) for mean in means)
+    lines = (scipy.optimize.isotonic_regression(mean).x for mean in means)
+    # one mean, of points at one stress, has no slope
+    rises, closes = (np.gradient(line) if line.size > 1 else np.zeros(1) for line in lines)
     slope = np.divide(closes, rises, out=np.zeros(points.size), where=rises > 0.0)
     across = misses[1] - np.interp(order, centres, slope) * misses[0]
     near = np.abs(order[:, np.newaxis] - centres).argmin(axis=1)
-    spread = np.bincount(near, across**2, points.size) / np.bincount(near, minlength=points.size)
+    spread = np.bincount(near, across**2) / np.bincount(near)  # each mean is nearest to a point
     errors = np.sqrt(scipy.ndimage.median_filter(spread, min(9, spread.size), mode="nearest"))
     ends = np.where(np.isin(centres, (0, order[-1])), 2.0, 1.0)  # of a straight line at its end
     scatter = float(np.std(misses[0])), float(np.std(misses[1]))

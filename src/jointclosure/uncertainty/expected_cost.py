@@ -26,16 +26,22 @@ BYTES = 1000  # memory for each cell, as measured between 100 x 100 and 400 x 40
 BASE_BYTES = 300e6  # memory of the program with a small joint
 SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
 LARGEST = 1000 * 1000  # most cells that are simulated without a stated grid spacing
-RESOLVED_COST, TOLERANCE_COST, NO_GOUGE_COST = 9.0, 0.2, 9.0
-NO_BREAKAGE_COST, NO_INTERACTION_COST = 0.2, 0.7
-"""Time of a joint over that by the paper's steps with all effects: with resolved breakage at least
-the first, or the second over the tolerance; without gouge at least the third; without breakage the
-fourth, by any steps; without interaction the fifth as a factor. Measured on the last two of three
-joints (100 x 100 cells): tolerances of 0.1, 0.02 and 0.004 took 8.9, 12 and 47 times as long in
-dolerite, 7.3, 10 and 42 times in siltstone, and the first two 9.5 and 10 times in a granite of JRC
-10 with waves of all lengths and a bound of strength. For dolerite and siltstone the factors were
-9.3 and 9.1 without gouge, 0.17 and 0.22 without breakage, 0.64 and 0.89 without interaction, and
-1.1 and 0.75 without soft peaks."""
+# Time of a joint over that by the paper's steps with all effects, measured on the last two of three
+# joints (100 x 100 cells). Tolerances of 0.1, 0.02 and 0.004 took 8.9, 12 and 47 times as long in
+# dolerite, 7.3, 10 and 42 times in siltstone. The first two took 9.5 and 10 times as long in a
+# granite of JRC 10 with waves of all lengths and a bound of strength. For dolerite and siltstone
+# the factors were 9.3 and 9.1 without gouge, 0.17 and 0.22 without breakage, 0.64 and 0.89 without
+# interaction, and 1.1 and 0.75 without soft peaks.
+RESOLVED_COST = 9.0
+"""Least relative time with resolved breakage."""
+TOLERANCE_COST = 0.2
+"""Relative time with resolved breakage, times the tolerance, if that is more."""
+NO_GOUGE_COST = 9.0
+"""Least relative time without gouge."""
+NO_BREAKAGE_COST = 0.2
+"""Relative time without breakage, by any steps."""
+NO_INTERACTION_COST = 0.7
+"""Factor of the relative time without interaction."""
 SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
 
 

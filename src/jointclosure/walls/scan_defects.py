@@ -4,7 +4,7 @@ Blocks of equal heights are taken once, profiles that lie aside are moved back, 
 and patches without short waves count as missing, as filled holes have no roughness of the wall.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import scipy
@@ -30,6 +30,8 @@ CLEAR_STEP = 4.0
 RIM = 8.0
 """Bend of the profile means at the step of a rim from which it is cut, over the usual bend of means
 inside (1.48 times the median deviation); chosen."""
+_RIM_OF_MEDIAN = 0.75
+"""The same for the median of a profile, over `RIM`: medians scatter 1.25 times as much as means."""
 _RIM_SHARE = 0.03  # share of the cells along an axis in which a rim may end; chosen
 _RIM_CELLS = 3  # number of these cells where the share is fewer; chosen
 
@@ -256,23 +258,42 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
     around = np.moveaxis(heights, axis, 0)[:, most:-most]  # without the rims of the other sides
     with np.errstate(invalid="ignore"):
         known = np.isfinite(around).sum(axis=1) > 0.5 * around.shape[1]
-        bends = np.full(side, np.nan)
-        bends[1:-1] = [
-            np.nanmean(row) if np.isfinite(row).sum() > 0.5 * row.size else np.nan
-            for row in np.diff(around, 2, axis=0)
-        ]
-    inner = bends[2 * most : -2 * most]
-    inner = inner[np.isfinite(inner)]
-    if len(inner) < 8 or not known[: most + 2].all():
+    if not known[: most + 2].all():
         return 0
-    # standard deviation of normal values by the median deviation, which a rim does not affect
-    usual = 1.4826 * float(np.median(np.abs(inner - np.median(inner))))
-    sharp = np.flatnonzero(np.abs(bends[1 : most + 1]) > RIM * usual)
+    # the mean is the more accurate, but a patch near the edge moves it too, and not the median
+    bends = _bends(around, np.nanmean)
+    means = _deviations(bends, most)
+    medians = _deviations(_bends(around, np.nanmedian), most)
+    sharp = np.flatnonzero((means > RIM) & (medians > _RIM_OF_MEDIAN * RIM))
     # a step between profiles bends the means on both of its sides, in opposite directions
     ends = [n + 1 for n in sharp if n + 1 in sharp and bends[n + 1] * bends[n + 2] < 0.0]
     if sharp.size and sharp[0] == 0 and not ends:
         return 1
     return int(max(ends, default=0)) + (1 if ends else 0)
+
+
+def _bends(profiles: np.ndarray, middle: Callable[[np.ndarray], float]) -> np.ndarray:
+    """Return the mean or median (n,) of the second differences [m] across profiles (n, m)."""
+    bends = np.full(len(profiles), np.nan)
+    bends[1:-1] = [
+        middle(row) if np.isfinite(row).sum() > 0.5 * row.size else np.nan
+        for row in np.diff(profiles, 2, axis=0)
+    ]
+    return bends
+
+
+def _deviations(bends: np.ndarray, most: int) -> np.ndarray:
+    """Return the sizes of the first ``most`` bends, in standard deviations of those farther in.
+
+    The deviation is by the median deviation, which a rim does not affect; 0 if too few are known.
+    """
+    inner = bends[2 * most : -2 * most]
+    inner = inner[np.isfinite(inner)]
+    if len(inner) < 8:
+        return np.zeros(most)
+    usual = 1.4826 * float(np.median(np.abs(inner - np.median(inner))))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.abs(bends[1 : most + 1]) / usual
 
 
 def mask_smooth_patches(scan: Scan) -> Scan:
