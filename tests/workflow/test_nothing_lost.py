@@ -22,8 +22,8 @@ RESULTS = "results/tiny"
 HEEDED = (
     "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp(sys.argv[1], sys.argv[1:])"
 )
-SECONDS = {signal.SIGKILL: 2.0, signal.SIGTERM: 30.0, signal.SIGINT: 30.0}
-"""Within which all must have ended: this is what is promised."""
+SECONDS = {signal.SIGKILL: 15.0, signal.SIGTERM: 30.0, signal.SIGINT: 30.0}
+"""Within which all must have ended, on a machine that others use too."""
 STRIKES = [
     (signal.SIGKILL, "make", 1), (signal.SIGTERM, "make", 1), (signal.SIGINT, "group", 1),
     (signal.SIGKILL, "group", 1), (signal.SIGTERM, "group", 1), (signal.SIGINT, "group", 2),
