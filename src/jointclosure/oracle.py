@@ -248,7 +248,10 @@ def _curvatures(joint: PristineJoint, state: State):
 
 
 def judge(joint: PristineJoint, state: State) -> Verdict:
-    """Compute the errors of a state at rest, whose equations are solved again."""
+    """Compute the errors of a state that should be at rest.
+
+    The law of each contact is solved again, with the interaction of the reported forces.
+    """
     force, law = state.force, law_of(joint, state)
     total = math.fsum(force.ravel())
     over_total = 1.0 / total if total > 0 else 0.0

@@ -205,8 +205,9 @@ def indifference_table(
 ) -> pd.DataFrame:
     """Tabulate indifference intervals by the study's test, and by the paper's, which is unpaired.
 
-    Lengths are in the units of Table 1, for gross and net closure (suffix ``_net``), and with
-    ``covariates`` from adjusted means. ``root_seed`` is that of the bootstrap.
+    Lengths are in the units of Table 1, for gross and net closure (suffix ``_net``). With
+    ``covariates``, unpaired tests of gross closure are also made with adjusted means. ``root_seed``
+    is that of the bootstrap.
     """
     rows = []
     for row, gross, net in _responses(study, covariates):

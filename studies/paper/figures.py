@@ -477,7 +477,7 @@ def _panels(parameters: list[str], cycles: list[int], panel: tuple, margin=(0.0,
 
 @styled
 def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw indifference intervals of this study, and of the paper, by parameter and cycle."""
+    """Draw lengths of indifference intervals over the rocks, gross and net, and the paper's."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
     figure, panels = _panels(parameters, cycles, (3.1, 2.9), (0.0, 0.8), sharex=True)

@@ -43,7 +43,7 @@ def roughness_title(rock: StudyRock) -> str:
 
 
 def case_title(titles: Mapping[str, str], rock: str, parameter: str, level: str) -> str:
-    """Name a case by the title of its rock and by its change, such as "Slate, JRC high"."""
+    """Name a case by rock and change, such as "Slate, JRC high"; a base case by its rock alone."""
     if parameter == BASE:
         return titles[rock]
     return f"{titles[rock]}, {PROPERTIES[parameter].title} {level.replace('_', ' ')}"

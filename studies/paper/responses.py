@@ -259,7 +259,7 @@ def responses(
 
 
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
-    """Return variables of all cases of a rock, of the realisations that have all of them."""
+    """Return variables of all cases of a rock, of realisations that succeeded in every case."""
     cases = np.flatnonzero((study.rock == rock).values)
     names = []
     values = []

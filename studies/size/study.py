@@ -438,7 +438,8 @@ def law_of_size(
 ) -> dict[str, float]:
     """Apply the law of Barton and Bandis to a joint so many ``times`` as long as a known one.
 
-    Stiffnesses [Pa/m] and closures since seating [m] have the names of the model's quantities.
+    Stiffnesses [Pa/m] and closures [m] have the names of the model's quantities, but count from
+    zero stress. ``strength_ratio`` is sigma_c over JCS of the known joint.
     ``rock`` has JRC, compressive strength [Pa] and maximum stress [Pa] of the known joint.
     """
     jrc, strength, stress = rock

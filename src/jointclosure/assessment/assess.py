@@ -185,7 +185,7 @@ class Assessment:
 
     @cached_property
     def _compared(self) -> pd.DataFrame:
-        """Rows of `closures` of a lone joint and its copies, or of several joints as they are."""
+        """Rows of `closures` that are compared: a lone joint with its copies, or several joints."""
         as_they_are = self.closures[self.closures.copy_of_walls == "as it is"]
         return self.closures if self._lone else as_they_are
 

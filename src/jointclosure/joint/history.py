@@ -231,7 +231,10 @@ class History:
 
     @cached_property
     def landing_stresses(self) -> np.ndarray:
-        """Stress (cycles,) [Pa] from which each loading lands on its maximum; infinite if none.
+        """Stress (cycles,) [Pa] at the end of the last whole step of each loading.
+
+        From there smaller steps land on the maximum. It is infinite without such steps: for
+        elastic, resolved or interpolated loadings, and where the maximum is no new one.
 
         The paper's steps pass the maximum, and smaller steps then land on it. Closures beyond the
         landing stress come from these smaller steps.

@@ -348,11 +348,14 @@ def laws_of_joint(
     joint_length: float | None = None,
     lab_length: float = LAB_LENGTH,
 ) -> JointLaws:
-    """Return the laws of a joint of a strength [Pa] whose walls are not weathered.
+    """Return the laws of a joint of a JRC, whose JCS is the compressive ``strength`` [Pa].
 
-    They are those of its first ``cycles``, as far as there are constants, since the ``seating``
-    stress [Pa]; there are none where the law does not hold (`law_holds`). With a ``joint_length``
-    [m] the JRC and JCS of the laboratory length are scaled to it.
+    Its walls are not weathered.
+
+    They are those of the first ``cycles``, at most three, and count from the ``seating`` stress
+    [Pa]. There are none if the scaled JRC is out of range (`law_holds`), and a cycle with a
+    constant that is not positive is left out. With a ``joint_length`` [m] the JRC and JCS of the
+    laboratory length are scaled to it.
     """
     laws = JointLaws(jrc, strength, seating, {}, joint_length, lab_length)
     known = CYCLES[: cycles if law_holds(laws.scaled[0]) else 0]

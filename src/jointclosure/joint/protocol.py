@@ -1,4 +1,8 @@
-"""Load cycles of a joint under displacement control, with any solver of the registry."""
+"""Load cycles of a joint under displacement control, with any solver of the registry.
+
+A loading is stepped up to its maximum stress and lands on it (`_land`), an unloading is
+stepped down to its minimum.
+"""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -60,8 +64,9 @@ class StepRecord(NamedTuple):
     """All accepted steps in order, status bits (`STATUSES`), and total effort.
 
     ``replayed`` is the number of cycles that were not simulated but repeated. ``idle_steps`` is the
-    number of steps without interaction, which would have displaced no contact by more than
-    ``idle_displacement`` times the closure.
+    number of steps that were settled without interaction, repeated ones included. In none of them
+    would the interaction have displaced a contact by more than ``idle_displacement`` times the
+    closure.
     """
 
     steps: list[Step]

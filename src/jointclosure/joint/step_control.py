@@ -220,7 +220,10 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
 
 
 def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
-    """Raise `InputError` for an elastic history of more steps than memory holds."""
+    """Raise `InputError` for too many steps of an elastic history.
+
+    At most `_ELASTIC_STEPS` times `Numerics.most_steps` are allowed.
+    """
     steps = 2.0 * cycles * numerics.curve_points
     if steps > _ELASTIC_STEPS * numerics.most_steps:
         raise InputError(

@@ -124,8 +124,8 @@ def parsed_curve(
     stress_unit, closure_unit : str, optional
         Units of columns whose headings state none.
     cycle : int, optional
-        Number of the first loading of a file without a column of cycles, whose further loadings
-        are further cycles. Without it there must be such a column.
+        Number of the first loading, for a file without a column of cycles; later loadings are
+        numbered on from it. If it is None, the file must have that column.
     names : sequence of str, optional
         Headings, or numbers from 1, of the columns of stress, closure and cycle.
     area : float, optional
@@ -134,7 +134,9 @@ def parsed_curve(
     Raises
     ------
     InputError
-        If a line, a unit or a number cannot be read, or may be read in two ways.
+        If a column is missing, a line, a unit or a number cannot be read or may be read in two
+        ways, the area is missing for forces or given for stresses, or there seem to be several
+        specimens.
     """
     numbered = enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
     every = [TableLine(number, line) for number, line in numbered if line.strip()]

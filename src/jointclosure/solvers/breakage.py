@@ -347,7 +347,7 @@ def set_due(due, cell, moment):
 
 @kernel
 def let_due_wait(due, moment, turns):
-    """Make the cells wait that are due at a moment."""
+    """Move the cells that are due at a moment (number of a short step) to the waiting ones."""
     cell = due.first[moment]
     while cell >= 0:
         following = due.after[cell]

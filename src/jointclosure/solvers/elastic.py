@@ -134,7 +134,7 @@ def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
 
 
 def _open_state(size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return forces (n,) of cells without contact, and unknown gaps (n,)."""
+    """Return forces of 0 (n,), as of cells without contact, and gaps of NaN (n,)."""
     return np.zeros(size), np.full(size, np.nan)
 
 

@@ -65,7 +65,7 @@ def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
 def influence_by_place(table):
     """Return the influence [m/N] by the difference of two places, as a flat array, and its middle.
 
-    Places (`places`) number the cells of rows that are twice as long, so that the difference of two
+    Places (`places`) number the cells of rows of 2 nx - 1 cells, so that the difference of two
     places determines their distance along y and x. The middle is the index of a difference of 0.
     """
     ny, nx = table.shape
@@ -79,7 +79,7 @@ def influence_by_place(table):
 
 @kernel
 def places(cells, nx):
-    """Return the places (n,) of cells (n,) of a grid, see `influence_by_place`."""
+    """Return the places y (2 nx - 1) + x (n,) of cells (n,), given by flat index y nx + x."""
     place = np.empty(cells.size, np.int64)
     for i in range(cells.size):
         y, x = divmod(cells[i], nx)

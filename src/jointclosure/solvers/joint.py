@@ -80,9 +80,9 @@ class Settled(NamedTuple):
     Lengths are in m, forces in N. ``locked_share`` is the share of the force on locked contacts,
     beyond their strength and without lower neighbours for their gouge; ``flat_share`` that on other
     contacts without curvature (`FLATTEST`). ``mean_overlap`` is the sum of the overlaps of contacts
-    over the number of cells. ``correction`` is the size of the difference between the total force
-    and that of the first equilibrium after the short steps of resolved breakage, a measure of the
-    error of a step.
+    over the number of cells. With resolved breakage, ``correction`` [N] is how far the total force
+    at rest differs from that of the first equilibrium, which follows the short steps. It measures
+    the error of the step.
     """
 
     outcome: Outcome
@@ -211,7 +211,11 @@ class Joint:
         return tuple(field.copy() for field in self._state())
 
     def restore(self, snapshot: tuple[np.ndarray, ...], *, rates: bool = True) -> None:
-        """Restore a snapshot, which stays valid; without ``rates`` the rates are not changed."""
+        """Restore a snapshot of the state, which stays valid.
+
+        The state is walls, peaks, forces, interaction and closure. With ``rates`` the rates of
+        interaction and force per closure are restored too.
+        """
         kept = None if rates else -_RATES
         for field, saved in zip(self._state()[:kept], snapshot[:kept], strict=True):
             field[...] = saved

@@ -538,7 +538,9 @@ class DifferenceScatter(NamedTuple):
 
 
 class PairedInterval(NamedTuple):
-    """As `IndifferenceInterval`, of a paired test; the root is the base if the length is 0.
+    """As `IndifferenceInterval`, of a paired test with n - 1 degrees of freedom.
+
+    No deviation is fitted. The root is the base if the length is 0.
 
     ``linear_length``: without the curvature of the mean, infinite if the slope is not significant.
     """

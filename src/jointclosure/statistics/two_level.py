@@ -37,7 +37,7 @@ class Interval(NamedTuple):
 
 
 def t_interval(samples: np.ndarray) -> Interval:
-    """Return the mean of samples (n,) with its interval by Student's t; infinite for one sample."""
+    """Return the mean of samples (n,) with its 95 % interval by Student's t; infinite for one."""
     return _interval_about(
         float(np.mean(samples)), [_squared_error(samples)], [np.size(samples) - 1]
     )

@@ -67,7 +67,8 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
     Raises
     ------
     InputError
-        If the mean plane is inclined by more than `STEEPEST` degrees.
+        If the mean plane is inclined by more than `STEEPEST` degrees, or fewer than four heights
+        are known.
     """
     plane = _mean_plane(scan)
     if not _inclination(plane) > (LEVEL[type(scan)] if beyond is None else beyond):

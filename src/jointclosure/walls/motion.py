@@ -191,7 +191,10 @@ def moved_heights(
 
 
 def _spline_values(spline: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the values of a filtered cubic spline at places (2, ...) in cells."""
+    """Return the values of a cubic spline of coefficients ``spline`` at places (2, ...) [cells].
+
+    The places are y, then x; the coefficients are those of `scipy.ndimage.spline_filter`.
+    """
     return scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
 
 

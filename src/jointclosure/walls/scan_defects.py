@@ -285,7 +285,8 @@ def _bends(profiles: np.ndarray, middle: Callable[[np.ndarray], float]) -> np.nd
 def _deviations(bends: np.ndarray, most: int) -> np.ndarray:
     """Return the sizes of the first ``most`` bends, in standard deviations of those farther in.
 
-    The deviation is by the median deviation, which a rim does not affect; 0 if too few are known.
+    The deviation is estimated by the median absolute deviation, which a rim does not affect. If
+    fewer than eight bends farther in are known, all sizes are 0.
     """
     inner = bends[2 * most : -2 * most]
     inner = inner[np.isfinite(inner)]

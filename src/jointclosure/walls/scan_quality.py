@@ -57,7 +57,11 @@ _EXPONENTS = np.linspace(0.5, 1.0, 6)  # Hurst exponents of rock
 
 
 class Rounding(NamedTuple):
-    """Steps of which all heights and all places of a scan are multiples [m], 0 if there is none."""
+    """Steps [m] of which heights and places of a scan are multiples, 0 if there is none.
+
+    ``heights`` is that of all differences of heights. ``places`` is the smaller one of those of the
+    points along x and y, and 0 for a grid.
+    """
 
     heights: float
     places: float
@@ -273,7 +277,10 @@ def _white_noise(squares: np.ndarray, law: np.ndarray) -> float:
 
 
 def rank_filtered(scan: Scan) -> bool:
-    """Return whether more neighbours are equal than rounding explains, as after a median."""
+    """Return whether more neighbouring heights are equal than rounding explains.
+
+    That is so after a median filter. False if rounding is too coarse to tell.
+    """
     points = points_of(scan)
     apart = np.abs(np.diff(points[:, 2][neighbours(scan)], axis=1).ravel())
     if not apart.size:
