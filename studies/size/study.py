@@ -406,12 +406,13 @@ def barton_bandis_table(
     base: tuple[float, float],
     rocks: Mapping[str, tuple[float, float, float]],
     strength_ratio: float,
+    seating: float,
 ) -> pd.DataFrame:
     """Compare changes from the smallest patch to larger ones with those of Barton and Bandis' law.
 
     ``rocks`` has JRC, compressive strength and maximum stress [Pa] of each rock, those of the
     smallest patch. ``base`` is side and spacing [m], ``strength_ratio`` the strength of the rock
-    over that of the wall.
+    over that of the wall, ``seating`` the stress [Pa] from which closures count.
     """
     rows = []
     for rock, of_rock in runs.items():
@@ -419,7 +420,7 @@ def barton_bandis_table(
         spectra = list(_spectra({rock: of_rock}))
         for cycle, (about, run) in itertools.product(of_rock.cycle.values, spectra):
             known, *laws = (
-                law_of_size(patch / smallest, rocks[rock], strength_ratio, cycle)
+                law_of_size(patch / smallest, rocks[rock], strength_ratio, cycle, seating)
                 for patch in (smallest, *larger)
             )
             for reading in known:
@@ -434,17 +435,22 @@ def barton_bandis_table(
 
 
 def law_of_size(
-    times: float, rock: tuple[float, float, float], strength_ratio: float, cycle: int
+    times: float,
+    rock: tuple[float, float, float],
+    strength_ratio: float,
+    cycle: int,
+    seating: float,
 ) -> dict[str, float]:
     """Apply the law of Barton and Bandis to a joint so many ``times`` as long as a known one.
 
-    Stiffnesses [Pa/m] and closures [m] have the names of the model's quantities, but count from
-    zero stress. ``strength_ratio`` is sigma_c over JCS of the known joint.
+    Stiffnesses [Pa/m] and closures [m] since the ``seating`` stress [Pa] have the names of the
+    model's quantities. ``strength_ratio`` is sigma_c over JCS of the known joint.
     ``rock`` has JRC, compressive strength [Pa] and maximum stress [Pa] of the known joint.
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
-    return barton_bandis(jrc, strength, strength / wall_strength, cycle).results(stress)
+    law = barton_bandis(jrc, strength, strength / wall_strength, cycle)
+    return law.since(seating).results(stress, seating)
 
 
 def _runs(joints: pd.DataFrame, settings: Mapping[str, Any]) -> dict[str, xr.Dataset]:
@@ -469,7 +475,9 @@ def tabulate_collapse(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.D
 def tabulate_laws(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compare ratios of sizes with the law of Barton and Bandis."""
     ratio = settings["wall_strength_ratio"]
-    return barton_bandis_table(_runs(joints, settings), settings["base"], settings["rocks"], ratio)
+    runs = _runs(joints, settings)
+    seating = settings["seating_stress"]
+    return barton_bandis_table(runs, settings["base"], settings["rocks"], ratio, seating)
 
 
 def settings_of_tables(study: Configuration) -> dict[str, Any]:
@@ -484,6 +492,7 @@ def settings_of_tables(study: Configuration) -> dict[str, Any]:
         },
         "roll_offs": {name: spectrum.roll_off for name, spectrum in spectra.items()},
         "wall_strength_ratio": study.output.wall_strength_ratio,
+        "seating_stress": study.seating_stress,
     }
 
 

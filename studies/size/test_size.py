@@ -124,14 +124,32 @@ def test_the_right_scaling_carries_over_to_the_largest_patch(collapse):
     assert unscaled == pytest.approx(70.0 * np.log(2), abs=0.3)
 
 
-def test_the_barton_bandis_law_of_a_longer_joint_is_softer(run):
-    table = scale.barton_bandis_table({"slate": run}, BASE, {"slate": (6.5, 159e6, 5e6)}, 1.5)
-    row = table[(table.reading == "kni_net") & (table.to_mm == 6) & (table.cycle == 1)].iloc[0]
-    small = barton_bandis(6.5, 159e6, 1.5, 1)
-    large = barton_bandis(6.5 * 4.0**-0.13, 159e6, 1.5 * 4.0**0.195, 1)
-    assert row.barton_bandis == pytest.approx(large.initial_stiffness / small.initial_stiffness)
-    assert 0.0 < row.barton_bandis < 1.0
-    assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "max_closure_seated_net"}
+@pytest.fixture(scope="module")
+def laws(run):
+    """The table of Barton and Bandis' law, from 0.5 MPa, and the laws of both lengths."""
+    rock = (6.5, 159e6, 5e6)
+    table = scale.barton_bandis_table({"slate": run}, BASE, {"slate": rock}, 1.5, 0.5e6)
+    small = barton_bandis(6.5, 159e6, 1.5, 1).since(0.5e6)
+    large = barton_bandis(6.5 * 4.0**-0.13, 159e6, 1.5 * 4.0**0.195, 1).since(0.5e6)
+    return table[(table.to_mm == 6) & (table.cycle == 1)].set_index("reading"), small, large
+
+
+def test_the_barton_bandis_law_of_a_longer_joint_is_softer(laws):
+    table, small, large = laws
+    ratio = table.barton_bandis["kni_net"].iloc[0]
+    assert ratio == pytest.approx(large.initial_stiffness / small.initial_stiffness)
+    assert 0.0 < ratio < 1.0
+
+
+def test_closures_of_the_barton_bandis_law_count_from_seating_as_those_of_the_model(laws):
+    table, small, large = laws
+    ratio = table.barton_bandis["max_closure_seated_net"].iloc[0]
+    assert ratio == pytest.approx(float(large.closure(4.5e6) / small.closure(4.5e6)))
+
+
+def test_the_barton_bandis_law_has_all_results_of_the_model(laws):
+    readings = {"kni_net", "vm_net", "stiffness_net", "max_closure_seated_net"}
+    assert set(laws[0].index) == readings
 
 
 def test_what_is_too_many_cells_is_not_closed(run):
