@@ -136,7 +136,7 @@ def overview() -> Figure:
     joint = jc.simulate(upper, lower, **load, cycles=2, snapshots=[10e6])
     ensemble = jc.simulate_ensemble(_walls, seeds=range(20), **load)
     figure, (section, contacts, curves) = plt.subplots(
-        3, 1, figsize=(6.2, 12.5), height_ratios=(0.75, 1.2, 1.0), layout="constrained"
+        1, 3, figsize=(14, 4.4), width_ratios=(1.25, 1.1, 1.2), layout="constrained"
     )
     jc.plot.walls(upper, lower, spacing=0.25e-3, axes=section)
     jc.plot.aperture(joint, 0, contacts)
