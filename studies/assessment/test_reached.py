@@ -323,7 +323,7 @@ def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
     assert "3 lie outside of the model's range, in 2 of 9 cases" in text
     assert "Substrate is needed: joints that break have no equilibrium without it." in text
     assert "8 % was expected, and 10 % is allowed." in text
-    assert "standard errors of 4 joints, 3.2 of which are half of a 95 % interval" in text
+    assert "of 4 joints. Half of a 95 % interval is 3.2 times as long." in " ".join(text.split())
 
 
 @pytest.mark.parametrize(
