@@ -236,11 +236,11 @@ def _one_line(title: str) -> str:
 PAIRED_NOTE = (
     "The same surfaces were closed at every level (`draws: common`), so the test is the paired t "
     "test: of the differences on the same surface. What surfaces have in common at all levels "
-    "cancels in these. Its lengths go to 0 as closures answer a change more smoothly, whatever the "
-    "rock: compare properties and rocks by elasticities, and no paired length with the paper's or "
-    "any other of an unpaired test. The unpaired test does not know what surfaces have in common, "
-    "and sees far less on such draws; its lengths stand beside because the paper's test is "
-    "unpaired, on independent draws."
+    "cancels in these. Its lengths approach 0 if closures change smoothly, whatever the "
+    "rock. Compare properties and rocks by elasticities, and do not compare a paired length with "
+    "the paper's. The unpaired test does not use what common surfaces have in common, and mostly "
+    "finds less on such draws. Its lengths stand beside because the paper's test is unpaired, on "
+    "independent draws."
 )
 """Reason for the paired test in a table of common draws."""
 
