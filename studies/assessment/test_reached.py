@@ -10,7 +10,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.assessment.assess import CLOSURE
-from jointclosure.cli.report import render
+from jointclosure.cli.report import Picture, render
 from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
 from studies.assessment.plan import AssessmentPlan
 from studies.assessment.reached import (
@@ -24,7 +24,6 @@ from studies.assessment.reached import (
     hardness_table,
 )
 from studies.paper.report.content import assessed
-from studies.paper.report.page import Picture
 from tests.studied import study_of
 
 ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")

@@ -49,8 +49,9 @@ def report_page(study: xr.Dataset, tables: Iterable[str], figures: Iterable[str]
     ``tables`` and ``figures`` are paths of files; configuration.json must be among the tables.
     """
     with needs("report", "a report"):
+        from jointclosure.cli.report import Picture
         from studies.paper.report.content import Material, content
-        from studies.paper.report.page import Picture, render
+        from studies.paper.report.page import render
     paths = {path.name: path for path in map(Path, tables)}
     stated = read_text(paths["configuration.json"])
     material = Material(

@@ -7,11 +7,10 @@ import base64
 import hashlib
 import json
 import os
-import struct
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 import pandas as pd
@@ -40,7 +39,6 @@ _MODEL = (
     "another spacing gives another closure"
 )
 
-_PNG = b"\x89PNG"
 FILES = {
     "Barton-Bandis constants for UDEC and 3DEC": ["barton_bandis.dat"],
     "Stiffness and aperture tables for 3DEC": ["joint_stiffness.dat"],
@@ -68,6 +66,27 @@ _TITLES = {
 }
 
 
+class Picture(NamedTuple):
+    """A figure of a page, as PNG."""
+
+    png: bytes
+
+    @property
+    def source(self) -> str:
+        """Figure as a data URL."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels, from the first chunk of the PNG."""
+        return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
+
+    @property
+    def readable(self) -> str:
+        """Style with the width at which its letters can be read, for narrow screens."""
+        return f"--readable: {round(0.55 * self.size[0])}px"
+
+
 def declare(command: argparse.ArgumentParser) -> None:
     command.add_argument("folder", type=Path, help="folder that `jointclosure close` wrote")
     what = "file of the page (default: report.html in the folder)"
@@ -83,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
     record = json.loads(read_text(folder / "joint.json"))
     with reading_netcdf(folder / "joint.nc") as history:
         content = joint_content(history.load(), read_csv(folder / "answer.csv"), record)
-    pictures = {file.stem: picture(file.read_bytes()) for file in folder.glob("*.png")}
+    pictures = {file.stem: Picture(file.read_bytes()) for file in folder.glob("*.png")}
     files = files_of(folder, output.parent)
     page = render(content | {"pictures": pictures, "files": files}, "joint.html.j2")
     write_text(page, output)
@@ -108,12 +127,6 @@ def files_of(folder: Path, start: Path) -> list[tuple[str, list[tuple[str, str]]
         if names:
             found.append((about, [(name, way and quote(f"{way}/{name}")) for name in names]))
     return found
-
-
-def picture(png: bytes) -> dict[str, Any]:
-    """Return a PNG as a data URL, and its width and height in pixels, 0 if it has none."""
-    size = struct.unpack(">II", png[16:24]) if png.startswith(_PNG) else (0, 0)
-    return {"source": source(png), "size": size}
 
 
 def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> dict:
@@ -179,11 +192,6 @@ def _html(table: pd.DataFrame) -> str:
         columns={name: text[0].upper() + text[1:] for name, text in titles.items()}
     )
     return shown.to_html(index=False, border=0, na_rep=ABSENT, float_format=number_text)
-
-
-def source(png: bytes) -> str:
-    """Return the bytes of a PNG as a data URL."""
-    return "data:image/png;base64," + base64.b64encode(png).decode()
 
 
 def render(content: dict, template: str, package: str = LIBRARY) -> str:

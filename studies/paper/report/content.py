@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.report import provenance_rows
+from jointclosure.cli.report import Picture, provenance_rows
 from jointclosure.execution.progress import duration
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
@@ -32,7 +32,6 @@ from studies.paper.checks import (
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.closures import estimate_columns
 from studies.paper.layout import case_title, test_name
-from studies.paper.report.page import Picture
 from studies.paper.report.tables import About, frames_of
 from studies.paper.requirements import REPORTED
 

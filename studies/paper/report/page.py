@@ -10,25 +10,8 @@ from typing import NamedTuple
 import pandas as pd
 
 from jointclosure.cli import report
-from jointclosure.cli.report import source
 from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.statistics.standard_errors import ABSENT, number_text, rounded
-
-
-class Picture(NamedTuple):
-    """Figure: the bytes of its PNG."""
-
-    png: bytes
-
-    @property
-    def source(self) -> str:
-        """Figure as a data URL."""
-        return source(self.png)
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Width and height in pixels, from the first chunk of the PNG."""
-        return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
 
 
 class Sheet(NamedTuple):
