@@ -78,17 +78,17 @@ class Cells(NamedTuple):
 
 
 class Due(NamedTuple):
-    """Cells to examine at the end of each short step, as one linked list for each of these moments.
+    """Cells to examine at the end of each short step, as one list for each of these moments.
 
-    ``moment`` (cells,) is the moment at which each cell is due, 0 for none. ``first`` (moments,) is
-    the first cell of each list, -1 for none. ``after`` and ``before`` (cells,) are the neighbours
-    of each cell in its list.
+    A cell that becomes due at another moment stays in its former list, as taking it out would cost
+    more than it: an entry counts only if its cell is due at that moment and the entry is its
+    latest. The latest entries are examined first.
     """
 
-    moment: np.ndarray
-    first: np.ndarray
-    after: np.ndarray
-    before: np.ndarray
+    moment: np.ndarray  # number of the short step at which each cell is due, 0 for none
+    entry: np.ndarray  # index of the latest entry of each cell
+    lists: np.ndarray  # cells (moments, most entries)
+    counts: np.ndarray  # number of entries of each list
 
 
 class Turns(NamedTuple):
@@ -312,52 +312,58 @@ def no_cells_due(cells, short_steps):
     """Return `Due` without cells, for a number of cells and of short steps."""
     return Due(
         np.zeros(cells, np.int64),
-        np.full(short_steps, -1),
         np.empty(cells, np.int64),
-        np.empty(cells, np.int64),
+        np.empty((short_steps, 2 * cells), np.int64),
+        np.zeros(short_steps, np.int64),
     )
+
+
+@kernel
+def make_room(due, moment, entries):
+    """Remove entries that no longer count from a list, if it has no room for more ``entries``.
+
+    A list has room for two entries of every cell, so that at least half of it is free then.
+    """
+    if due.counts[moment] + entries <= due.lists.shape[1]:
+        return
+    kept = 0
+    for k in range(due.counts[moment]):
+        cell = due.lists[moment, k]
+        if due.moment[cell] == moment and due.entry[cell] == k:
+            due.lists[moment, kept] = cell
+            due.entry[cell] = kept
+            kept += 1
+    due.counts[moment] = kept
 
 
 @kernel
 def set_due(due, cell, moment):
     """Make a cell due at one moment and no other; at none if the moment is the end of the step."""
-    old = due.moment[cell]
-    if old == moment:
-        return
-    if old > 0:
-        after = due.after[cell]
-        before = due.before[cell]
-        if before < 0:
-            due.first[old] = after
-        else:
-            due.after[before] = after
-        if after >= 0:
-            due.before[after] = before
-    if moment >= due.first.size:
+    if moment >= due.counts.size:
         moment = 0
+    if due.moment[cell] == moment:
+        return
     due.moment[cell] = moment
     if moment > 0:
-        after = due.first[moment]
-        due.after[cell] = after
-        due.before[cell] = -1
-        if after >= 0:
-            due.before[after] = cell
-        due.first[moment] = cell
+        make_room(due, moment, 1)
+        entry = due.counts[moment]
+        due.lists[moment, entry] = cell
+        due.entry[cell] = entry
+        due.counts[moment] = entry + 1
 
 
 @kernel
 def let_due_wait(due, moment, turns):
     """Move the cells that are due at a moment (number of a short step) to the waiting ones."""
-    cell = due.first[moment]
-    while cell >= 0:
-        following = due.after[cell]
-        due.moment[cell] = 0
-        colour = turns.colour[cell]
-        turns.lists[colour, turns.counts[colour]] = cell
-        turns.counts[colour] += 1
-        turns.waits[cell] = 1
-        cell = following
-    due.first[moment] = -1
+    for k in range(due.counts[moment] - 1, -1, -1):
+        cell = due.lists[moment, k]
+        if due.moment[cell] == moment and due.entry[cell] == k:
+            due.moment[cell] = 0
+            colour = turns.colour[cell]
+            turns.lists[colour, turns.counts[colour]] = cell
+            turns.counts[colour] += 1
+            turns.waits[cell] = 1
+    due.counts[moment] = 0
 
 
 @kernel
@@ -367,7 +373,7 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
     The walls are assumed to stay as they are. The overlap grows evenly over the step, and the
     overlap ratio with it.
     """
-    last = due.first.size  # the moment at the end of the step
+    last = due.counts.size  # the moment at the end of the step
     for i in range(n):
         cell = looked_at[i]
         if batch.breaks[i] > 0.0:
@@ -386,12 +392,17 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
 @kernel
 def let_ring_be_due(cells, due, broken, ring, moment):
     """Examine the cells two away from broken cells (n,) at the next moment, if they overlap."""
+    following = moment + 1
+    if following >= due.counts.size:
+        following = 0
     for cell in broken:
         for offset in ring:
             near = cell + offset
-            overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
-            if overlap > 0.0:
-                set_due(due, near, moment + 1)
+            # most are due already, which is faster to see than their overlap
+            if due.moment[near] != following:
+                overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
+                if overlap > 0.0:
+                    set_due(due, near, following)
 
 
 @kernel
