@@ -247,6 +247,15 @@ def forget(holds_to, cell, reach, stride):
 
 
 @kernel
+def number_of_changes(one, other):
+    """Return how many values of two arrays (n,) differ."""
+    count = 0
+    for i in range(one.size):
+        count += one[i] != other[i]
+    return count
+
+
+@kernel
 def take_over(space, upper, lower, offset, interaction, peaks):
     """Copy the present walls, approach [m] and states of the pairs (y, x) to the work space.
 
@@ -258,15 +267,15 @@ def take_over(space, upper, lower, offset, interaction, peaks):
     ny, nx = upper.shape
     for y in range(ny):
         start = (y + _MARGIN) * cells.stride + _MARGIN
-        changed = 0
+        approach = cells.approach[start : start + nx]
+        acting = interaction[y]
         for x in range(nx):
-            cell = start + x
-            changed |= upper[y, x] != cells.upper[cell]
-            changed |= lower[y, x] != cells.lower[cell]
-            changed |= peaks[y, x] != cells.kind[cell]
-            cells.approach[cell] = offset - interaction[y, x]
-            cells.locked[cell] = False
-            waits[cell] = 0
+            approach[x] = offset - acting[x]
+        cells.locked[start : start + nx] = False
+        waits[start : start + nx] = 0
+        changed = number_of_changes(upper[y], cells.upper[start : start + nx])
+        changed += number_of_changes(lower[y], cells.lower[start : start + nx])
+        changed += number_of_changes(peaks[y], cells.kind[start : start + nx])
         for x in range(nx if changed else 0):
             cell = start + x
             same = upper[y, x] == cells.upper[cell] and lower[y, x] == cells.lower[cell]
