@@ -533,6 +533,21 @@ def test_the_heading_of_a_property_has_its_symbol_and_unit_and_of_the_roughness_
     assert heading_of("jrc") == "Joint roughness coefficient (JRC)"
 
 
+def test_the_share_of_lengths_below_the_axis_is_written_at_its_end(slate):
+    study, *_, lengths = slate
+    short = lengths.copy(deep=True)
+    short["percent"][:, ::4] = 0.0
+    paper = pd.DataFrame(columns=["rock", "parameter", "cycle", "paper_percent"])
+    shown, usual = (
+        [text.get_text() for text in figure.findobj(Text) if text.get_text().startswith("←")]
+        for figure in (
+            plotting.predictive_figure(one, paper, study.rocks, 20) for one in (short, lengths)
+        )
+    )
+    assert set(shown) == {"← 25 %"}
+    assert not usual
+
+
 def test_the_range_of_predicted_lengths_is_drawn_inside_its_axis(slate):
     study, *_, lengths = slate
     wide = lengths.copy(deep=True)

@@ -140,7 +140,9 @@ def predicted(predictive: pd.DataFrame) -> pd.DataFrame:
     """Add texts of shares and probabilities to the table of predicted entries of Table 3."""
     shares = zip(predictive.share_without_root, predictive.share_error, strict=True)
     none = [percent_text(share, error) for share, error in shares]
-    return _with_errors(predictive.assign(none=none), probability, "p", "null_p")
+    known = predictive.get("share_zero", pd.Series(np.nan, predictive.index))  # not in older tables
+    zero = [ABSENT if pd.isna(share) else percent(share) for share in known]
+    return _with_errors(predictive.assign(none=none, zero=zero), probability, "p", "null_p")
 
 
 def _with_errors(table: pd.DataFrame, shown: Callable, *names: str) -> pd.DataFrame:
