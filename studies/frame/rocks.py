@@ -267,7 +267,7 @@ def wall_files(walls: ScannedWalls) -> dict[str, str]:
 
 
 def check_files(rocks: dict[str, StudyRock]) -> None:
-    """Raise `InputError` if files of scanned walls or measured curves are missing; name them all."""
+    """Raise `InputError` if files of scanned walls or of measured curves are missing; name all."""
     refuse(_missing_files(rocks))
 
 
