@@ -141,7 +141,7 @@ measured-joints: $(STAMP) ## Compare three measured joints with simulated ones, 
 global-sensitivity: $(STAMP) ## Study properties and open choices that vary together (81 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/global_sensitivity/global_sensitivity.yaml}" -- global_sensitivity
 
-estimate: $(STAMP) ## Estimate the time of the experiments of CONFIG, from a few of their joints
+estimate: $(STAMP) ## Estimate the time of the study, or of the experiments of CONFIG, from a few of their joints
 	@$(SNAKEMAKE) $(GIVEN) -- estimate
 
 test: $(STAMP) ## Run the tests

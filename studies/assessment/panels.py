@@ -13,7 +13,12 @@ from matplotlib.ticker import NullLocator
 
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
-from studies.assessment.reached import ALL_ROCKS, EFFECTS, SETTING
+from studies.assessment.reached import (
+    ALL_ROCKS,
+    EFFECTS,
+    SETTING,
+    verdict_of_cycles,
+)
 from studies.frame.panels import key, point_key
 from studies.frame.settings import BASE
 from studies.paper.layout import case_title, figure_text
@@ -44,7 +49,9 @@ def _letters() -> dict[str, Any]:
 def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     """Draw the error of each setting over the time of a joint, with the setting of the study.
 
-    ``table`` is that of `studies.assessment.reached.assessed_table`, ``within`` the request [1].
+    Bars are 95 % intervals. The legend has the verdict on each setting by these: whether its error
+    is shown to be within the request in all cycles, or beyond it in one. ``table`` is that of
+    `studies.assessment.reached.assessed_table`, ``within`` the request [1].
     """
     shown = pooled(table[table.kind == SETTING]).astype({"cycle": int})
     figure, axes = subplots(figsize=SIZE)
@@ -57,28 +64,40 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     for row in shown.itertuples():
         at = row.seconds * _OFFSET ** (cycles.index(row.cycle) - 0.5 * (len(cycles) - 1))
         style: dict[str, Any] = {"color": f"C{row.cycle - 1}", "marker": marks[row.variant]}
-        error = row.change_percent_standard_error
-        axes.errorbar([at], [row.change_percent], [np.nan_to_num(error)], ms=5, lw=1.0, **style)
+        axes.errorbar([at], [row.change_percent], [_half_width(row)], ms=5, lw=1.0, **style)
         if row.of_study:
             ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
             axes.plot([at], [row.change_percent], "o", **ring)
-    reach = (shown.change_percent.abs() + shown.change_percent_standard_error.fillna(0.0)).max()
+    reach = max(abs(row.change_percent) + _half_width(row) for row in shown.itertuples())
     axes.set(xscale="log", xlim=(0.6 * shown.seconds.min(), 1.8 * shown.seconds.max()))
     decimal_ticks(axes.xaxis)
     end = max(1.3 * float(reach), 2.0 * limit)
     scale = percent_ticks(axes.yaxis, limit, -end, end)
     reference = shown.reference.iloc[0]
     axes.set_xlabel("processor time of a joint (s), logarithmic", **_letters())
-    words = f"error of mean net closure (%)\nagainst {reference}{scale}"
+    lines = ["error of mean net closure (%)", f"against {reference}{scale}".replace(", ", ",\n")]
+    words = "\n".join(lines)
     axes.set_ylabel(words, **_letters())
     axes.set_title("Error against time", fontsize=10)
-    handles = [point_key(name, marks[name], color="0.4", ms=5) for name in variants]
+    verdicts = {name: verdict_of_cycles(shown[shown.variant == name]) for name in variants}
+    handles = [
+        point_key(f"{name}: {verdict}", marks[name], color="0.4", ms=5)
+        for name, verdict in verdicts.items()
+    ]
     handles += [key(f"cycle {cycle}", color=f"C{cycle - 1}", lw=3) for cycle in cycles]
     handles += [
         point_key("this study", "o", mfc="none", mec="k", mew=1.2, ms=9),
-        point_key("± standard error", "|", color="0.4", ms=8),
+        point_key("95 % interval", "|", color="0.4", ms=8),
     ]
-    return _finished(figure, [axes], handles)
+    joints = int(shown.joints.max())
+    title = f"By {joints} joints, within ±{limit:g} % (grey) in all cycles or beyond it in one:"
+    return _finished(figure, [axes], handles, title=title)
+
+
+def _half_width(row: Any) -> float:
+    """Return half of the 95 % interval of a change [%]; 0, so no bar, if it is not known."""
+    half = row.change_percent_high - row.change_percent
+    return float(half) if np.isfinite(half) else 0.0
 
 
 @styled
@@ -101,6 +120,8 @@ def effects_panel(table: pd.DataFrame) -> Figure:
                 names.index(name) + (apart if axes is panels[0] else 0.0) for name in rows.variant
             ]
             error = rows[f"{column}_standard_error"].fillna(0.0)
+            if axes is panels[0]:
+                error = np.array([_half_width(row) for row in rows.itertuples()])
             # an effect adds what is missing without it
             axes.errorbar(-rows[column], at, xerr=error, fmt="o", ms=4, lw=1.0, color=color)
             ends += [*(-rows[column] - error), *(-rows[column] + error)]
@@ -128,8 +149,9 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     panels[0].set_yticks(range(len(names)), [name.removeprefix("without ") for name in names])
     figure.suptitle("What each effect adds and costs", fontsize=10)
     handles = [point_key(f"cycle {cycle}", color=f"C{cycle - 1}", ms=4) for cycle in cycles]
-    handles += [point_key("± standard error", "|", color="0.4", ms=8)]
-    return _finished(figure, panels, handles, 3, scale)
+    bars = "bars: 95 % interval of closure, ± standard error of time"
+    title = "\n".join(filter(None, [scale, bars]))
+    return _finished(figure, panels, handles, 3, title)
 
 
 @styled

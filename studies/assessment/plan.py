@@ -24,7 +24,9 @@ LEAST_SECONDS = 60.0
 COSTLY = 5.0
 """Largest cost of a joint without an effect, over that of a joint of the study, for which this
 variant is kept where the share does not allow all effects."""
-READ = (CLOSURE,)
+RESIDUAL = "residual_closure_seated_net"
+"""Net closure that remains at seating."""
+READ = (CLOSURE, RESIDUAL)
 """Quantities that are read of the joints."""
 
 

@@ -21,7 +21,8 @@ from jointclosure.joint.status import (
 )
 from jointclosure.parameters import Effects
 from jointclosure.statistics.standard_errors import Estimate, mean_of, percent
-from studies.assessment.plan import AssessmentPlan
+from jointclosure.statistics.two_level import Interval, t_interval
+from studies.assessment.plan import RESIDUAL, AssessmentPlan
 from studies.frame.settings import BASE
 from studies.frame.tables import in_words, succeeded
 from studies.paper.closures import estimate_columns
@@ -34,12 +35,22 @@ MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
 """States of an effect: off, left out by `effects.auto`, needed by the joints, not tested."""
+REFERENCE = "reference"
+"""Verdict on the setting from which the differences of others are taken."""
+_VERDICT_OF = {True: "within", False: "beyond", None: "not determined"}
+"""Verdicts on a change of a mean closure: is it shown to be within the request, or beyond it?"""
+VERDICTS = tuple(_VERDICT_OF.values())
+"""Verdicts on a change, see `verdict_of_cycles`."""
 
 
 class _Closed(NamedTuple):
-    """Net closures since seating (joint, cycle) [m], NaN if failed, and times (joint,) [s]."""
+    """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (joint,) [s].
+
+    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating.
+    """
 
     closures: np.ndarray
+    residuals: np.ndarray
     seconds: np.ndarray
 
 
@@ -48,6 +59,7 @@ def assessed_table(
     joints: Mapping[str, xr.Dataset],
     plan: AssessmentPlan,
     effects: Mapping[str, Effects],
+    within: float,
 ) -> pd.DataFrame:
     """Tabulate the differences of variants of the base cases, and the times of their joints.
 
@@ -61,6 +73,8 @@ def assessed_table(
         Plan by which the joints were simulated.
     effects : mapping
         Effects that the configuration states for each rock, before `effects.auto` leaves some out.
+    within : float
+        Relative error that is requested of mean closures [1].
 
     Returns
     -------
@@ -68,8 +82,12 @@ def assessed_table(
         A row per variant and cycle, of each rock and of all together (`ALL_ROCKS`): ``kind``
         (setting or effects), ``reference``, ``joints`` (n), ``change_percent`` of the mean net
         closure since seating, ``seconds`` of a joint, and ``time_percent``, the change of the time
-        from that of the study's joints; with standard errors. ``state`` and ``reason`` are those
-        of effects that were not tested, that the study left out, or that its joints need.
+        from that of the study's joints; with standard errors. ``change_percent`` has its 95 %
+        interval by Student's t (``_low``, ``_high``; infinite for one joint) and a ``verdict`` of
+        `VERDICTS` by it, or `REFERENCE`. ``remains_points`` is the change of the share of the
+        closure that remains at seating [percentage points], with its interval. ``state`` and
+        ``reason`` are those of effects that were not tested, that the study left out, or that its
+        joints need.
     """
     chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
     closed = {rock: _closed(study, rock, part, plan) for rock, part in joints.items()}
@@ -81,7 +99,7 @@ def assessed_table(
         variants = list(dict.fromkeys(v for rock in rocks for v in closed[rock]))
         for variant in variants:
             of_variant = [closed[rock] for rock in rocks if variant in closed[rock]]
-            rows += _rows(name, variant, of_variant, plan)
+            rows += _rows(name, variant, of_variant, plan, within)
     table = pd.DataFrame(rows)
     states = pd.DataFrame(
         [
@@ -121,12 +139,18 @@ def _is_base(study: xr.Dataset, rock: str) -> np.ndarray:
 
 def _of(joints: xr.Dataset) -> _Closed:
     good = joints.status < FAILURE
-    closures = joints[CLOSURE].where(good).transpose("joint", "cycle").values
-    return _Closed(closures, joints.timing_simulation.transpose("joint").values)
+    closures, residuals = (
+        joints[name].where(good).transpose("joint", "cycle").values for name in (CLOSURE, RESIDUAL)
+    )
+    return _Closed(closures, residuals, joints.timing_simulation.transpose("joint").values)
 
 
 def _rows(
-    rock: str, variant: str, of_rocks: Sequence[dict[str, _Closed]], plan: AssessmentPlan
+    rock: str,
+    variant: str,
+    of_rocks: Sequence[dict[str, _Closed]],
+    plan: AssessmentPlan,
+    within: float,
 ) -> Iterator[dict]:
     """Generate the rows of a variant of one or several rocks together, one for each cycle."""
     setting = variant in plan.ladder
@@ -142,20 +166,62 @@ def _rows(
     times = _together([_change(own.seconds, base.seconds) for own, _, base in pairs])
     joints = sum(len(own.closures) for own, *_ in pairs)
     for place in range(pairs[0][0].closures.shape[1]):
-        changes = []
-        for own, best, _ in pairs:
-            one = own.closures[:, place]
-            two = best.closures[:, place]
-            known = np.isfinite(one) & np.isfinite(two)
-            changes.append((one - two)[known] / two[known].mean() if known.any() else one[known])
-        samples = np.concatenate(changes)
+        apart = [_apart(own, best, place) for own, best, _ in pairs]
+        samples, remains = (np.concatenate(parts) for parts in zip(*apart, strict=True))
+        interval = _interval(samples)
         row: dict[str, Any] = {"rock": rock}
         row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
         row |= {"reference": reference, "of_study": variant == plan.stated}
         row |= {"cycle": place + 1, "joints": samples.size, "failed": joints - samples.size}
         row |= estimate_columns("change_percent", _mean(samples), 100.0)
+        row |= _limit_columns("change_percent", interval)
+        row["verdict"] = REFERENCE if variant == reference else _VERDICT_OF[interval.within(within)]
+        row["remains_points"] = 100.0 * _mean(remains).value
+        row |= _limit_columns("remains_points", _interval(remains))
         row |= estimate_columns("seconds", seconds)
         yield row | estimate_columns("time_percent", times, 100.0)
+
+
+def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return differences from a reference on the same walls (joint,), of the cycle at ``place``.
+
+    Their means are the relative change of the mean closure, and the difference of the shares of
+    the mean closure that remain (ratios of means, the scatter by the delta method).
+    """
+    arrays = [part[:, place] for of in (own, best) for part in of[:2]]
+    known = np.isfinite(arrays).all(axis=0)
+    one, one_stays, two, two_stays = (values[known] for values in arrays)
+    if not known.any():
+        return one, one
+    shares = [_linear_share(*of) for of in ((one_stays, one), (two_stays, two))]
+    return (one - two) / two.mean(), shares[0] - shares[1]
+
+
+def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
+    """Return values (n,) whose mean is the ratio of the means of two rows, to the first order."""
+    ratio = over.mean() / under.mean()
+    return ratio + (over - ratio * under) / under.mean()
+
+
+def _interval(samples: np.ndarray) -> Interval:
+    """Return the mean of samples with its 95 % interval, infinite for fewer than two."""
+    return t_interval(samples) if samples.size else Interval(math.nan, -math.inf, math.inf)
+
+
+def _limit_columns(name: str, interval: Interval) -> dict[str, float]:
+    """Return the columns of the ends of an interval, in percent."""
+    return {f"{name}_low": 100.0 * interval.low, f"{name}_high": 100.0 * interval.high}
+
+
+def verdict_of_cycles(rows: pd.DataFrame) -> str:
+    """Return one verdict on a variant from the rows of its cycles: the worst one of all.
+
+    A change beyond the request in one cycle is one of the variant; it is within the request only if
+    it is in all cycles.
+    """
+    known = set(rows.verdict)
+    order = (REFERENCE, *(_VERDICT_OF[key] for key in (False, None, True)))
+    return next((one for one in order if one in known), _VERDICT_OF[None])
 
 
 def _mean(samples: np.ndarray) -> Estimate:
@@ -216,7 +282,7 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
         pooled = pd.DataFrame(pooled).groupby(["rock", "variant"], sort=False, as_index=False)
         states = pd.concat([states, pooled.agg({"state": "first", "reason": "; ".join})])
     if table.empty:
-        return states.assign(kind=EFFECTS)
+        return states.assign(kind=EFFECTS, verdict="")
     table = table.merge(states, on=["rock", "variant"], how="left")
     shown = set(zip(table.rock, table.variant, strict=True))
     groups = set(table.rock)
@@ -227,7 +293,7 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
         ]
     ]
     table = pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True)
-    return _with_failures(table.fillna({"state": "", "reason": ""}))
+    return _with_failures(table.fillna({"state": "", "reason": "", "verdict": ""}))
 
 
 def _with_failures(table: pd.DataFrame) -> pd.DataFrame:

@@ -12,7 +12,7 @@ import jointclosure as jc
 from jointclosure.assessment.assess import CLOSURE
 from jointclosure.cli.report import Picture, render
 from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
-from studies.assessment.plan import AssessmentPlan
+from studies.assessment.plan import RESIDUAL, AssessmentPlan
 from studies.assessment.reached import (
     ALL_ROCKS,
     LEFT_OUT,
@@ -22,8 +22,9 @@ from studies.assessment.reached import (
     assessed_table,
     cost_table,
     hardness_table,
+    verdict_of_cycles,
 )
-from studies.paper.report.content import assessed
+from studies.paper.report.content import assessed, numerical_bias
 from tests.studied import study_of
 
 ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")
@@ -36,6 +37,8 @@ PLAN = AssessmentPlan(
 EFFECTS = dict.fromkeys(ROCKS, jc.Effects())
 CLOSURES = {"slate": 1e-4 * np.array([[1.0, 0.2], [1.2, 0.3], [9.0, 9.0]]),
             "dolerite": 2e-4 * np.array([[1.0, 0.2], [1.4, 0.3], [9.0, 9.0]])}  # fmt: skip
+STAYS, REMAINS = 0.6, 0.5
+"""Share of the closure that remains: of the study, and of all variants."""
 OWN_SECONDS = np.array([5.0, 1.0, 3.0])  # the first one loaded the kernels
 
 
@@ -47,6 +50,7 @@ def dataset():
         {
             "status": (order, [[0, 2, 1], [0, 32, 2]]),
             CLOSURE: ((*order, "cycle"), [CLOSURES[rock] for rock in ROCKS]),
+            RESIDUAL: ((*order, "cycle"), [STAYS * CLOSURES[rock] for rock in ROCKS]),
             "timing_simulation": (order, [OWN_SECONDS, 2.0 * OWN_SECONDS]),
             "locked_share": ((*order, "cycle"), locked),
             "flat_share": ((*order, "cycle"), 0.0 * locked),
@@ -67,6 +71,7 @@ def joints_of(rock, scale=1.0):
         {
             "status": ("joint", np.zeros(len(values), dtype=int)),
             CLOSURE: (("joint", "cycle"), values),
+            RESIDUAL: (("joint", "cycle"), REMAINS * values),
             "timing_simulation": ("joint", seconds),
         },
         coords={"variant": ("joint", np.repeat(np.array(list(CHANGED), object), 2))},
@@ -86,7 +91,7 @@ def study():
 
 @pytest.fixture
 def table(study, joints):
-    return assessed_table(study, joints, PLAN, EFFECTS)
+    return assessed_table(study, joints, PLAN, EFFECTS, 0.05)
 
 
 def row_of(table, rock, variant, cycle=1):
@@ -133,7 +138,7 @@ def test_effects_that_are_not_tested_or_left_out_have_a_reason(study, joints):
     chosen["cases"] = {"slate-base": {"reasons": [reason]}}
     study.attrs["effects_chosen"] = json.dumps({"slate": chosen})
     effects = EFFECTS | {"dolerite": jc.Effects(soft_peaks=False)}
-    table = assessed_table(study, joints, PLAN, effects)
+    table = assessed_table(study, joints, PLAN, effects, 0.05)
     states = table.drop_duplicates(["rock", "variant"]).set_index(["rock", "variant"])
     assert states.state[("slate", "without interaction")] == LEFT_OUT
     assert "changes by 0.5 %, at most 1 %" in states.reason[("slate", "without interaction")]
@@ -147,7 +152,7 @@ def test_effects_that_are_not_tested_or_left_out_have_a_reason(study, joints):
 
 def test_a_joint_that_failed_is_in_no_mean(study, joints):
     joints["slate"].status[0] = 32
-    row = row_of(assessed_table(study, joints, PLAN, EFFECTS), "slate", "tolerance 0.1")
+    row = row_of(assessed_table(study, joints, PLAN, EFFECTS, 0.05), "slate", "tolerance 0.1")
     assert (row.joints, row.failed) == (1, 1)
     assert np.isnan(row.change_percent_standard_error)
 
@@ -157,7 +162,7 @@ def failing_table(study, joints):
     """The table of a rock whose joints fail without interaction."""
     failed = joints["slate"].variant == "without interaction"
     joints["slate"]["status"] = joints["slate"].status.where(~failed, 128)
-    return assessed_table(study, {"slate": joints["slate"]}, PLAN, {"slate": jc.Effects()})
+    return assessed_table(study, {"slate": joints["slate"]}, PLAN, {"slate": jc.Effects()}, 0.05)
 
 
 def test_an_effect_without_which_joints_fail_is_needed(failing_table):
@@ -207,12 +212,66 @@ def accuracy_axes(table):
 def test_the_accuracy_panel_shows_every_setting(accuracy_axes):
     axes, rows = accuracy_axes
     drawn = sorted((one.lines[0].get_ydata()[0], *bar_of(one)[:, 1]) for one in axes.containers)
-    expected = [
-        (value, value - error, value + error)
-        for value, error in rows[["change_percent", "change_percent_standard_error"]].to_numpy()
-    ]
+    ends = ["change_percent", "change_percent_low", "change_percent_high"]
+    expected = rows[ends].to_numpy().tolist()
     np.testing.assert_allclose(drawn, sorted(expected), atol=1e-9)
     assert "logarithmic" in axes.get_xlabel()
+
+
+def test_the_accuracy_panel_has_a_verdict_on_each_setting(table):
+    (legend,) = accuracy_panel(table, 0.05).legends
+    words = [text.get_text() for text in legend.get_texts()]
+    assert words[:3] == [
+        "the paper's steps: beyond",
+        "tolerance 0.1: beyond",
+        "tolerance 0.02: reference",
+    ]
+    assert legend.get_title().get_text().startswith("By 4 joints, within ±5 % (grey)")
+
+
+@pytest.mark.parametrize(
+    ("factors", "within", "verdict"),
+    [
+        ((1.02, 1.021), 0.05, "within"),
+        ((1.2, 1.21), 0.05, "beyond"),
+        # 20 ± 1 %, twenty standard errors, but Student's t of two joints is 12.7
+        ((1.19, 1.21), 0.1, "not determined"),
+        ((1.02, 1.03), 0.05, "not determined"),
+    ],
+)
+def test_two_joints_determine_an_error_by_students_t(study, joints, factors, within, verdict):
+    part = joints["slate"]
+    closed = (part.variant == "tolerance 0.1").values
+    finest = (part.variant == "tolerance 0.02").values
+    values = part[CLOSURE].values.copy()
+    values[finest] = 1e-4
+    values[closed] = 1e-4 * np.array(factors)[:, None]
+    part[CLOSURE] = part[CLOSURE].dims, values
+    table = assessed_table(study, {"slate": part}, PLAN, {"slate": jc.Effects()}, within)
+    rows = table[(table.rock == "slate") & (table.variant == "tolerance 0.1")]
+    assert set(rows.verdict) == {verdict} == {verdict_of_cycles(rows)}
+    half = 12.706 * np.ptp(factors) / 2.0
+    assert rows.change_percent_high.iloc[0] == pytest.approx(
+        100.0 * (np.mean(factors) - 1.0 + half), abs=0.01
+    )
+
+
+def test_the_share_that_remains_is_compared_too(table):
+    row = row_of(table, "slate", "the paper's steps")
+    assert row.remains_points == pytest.approx(100.0 * (STAYS - REMAINS))
+    assert row.remains_points_low == pytest.approx(row.remains_points_high)  # it has no scatter
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "verdict"),
+    [
+        (["within", "within"], "within"),
+        (["within", "not determined"], "not determined"),
+        (["beyond", "not determined"], "beyond"),
+    ],
+)
+def test_the_verdict_on_a_setting_is_that_of_its_worst_cycle(verdicts, verdict):
+    assert verdict_of_cycles(pd.DataFrame({"verdict": verdicts})) == verdict
 
 
 def test_the_accuracy_panel_rings_the_setting_of_the_study(accuracy_axes):
@@ -271,15 +330,42 @@ def test_the_report_says_what_was_reached_or_why_nothing_is_known(closed, study,
     assert about["state"] == ("done" if closed else "too long")
     if closed:
         row = row_of(table, ALL_ROCKS, "the paper's steps")
-        assert about["errors"][0].startswith(f"{row.change_percent:.0f}"[:2])
-        assert about["errors"][0].endswith(" % on cycle 1")
+        ends = f"{row.change_percent_low:.0f} to {row.change_percent_high:.0f}"
+        assert about["errors"][0] == f"{row.change_percent:.0f} ({ends}) % on cycle 1: beyond"
+        assert about["verdicts"]["tolerance 0.02"] == "reference"
         assert about["rocks"] == ["Slate", "Dolerite"]
         assert about["samples"] == 4
-        assert about["errors_of_95"] == pytest.approx(3.182, abs=1e-3)  # Student's t, 3 of freedom
         assert set(about["reasons"]) == {"substrate", "gouge"}
     assert assessed({}, configuration, configuration.titles) == {"state": "missing"}
     off = study_of({"assessment": None})
     assert assessed(known, off, off.titles) == {"state": "off"}
+
+
+def bias_of(known):
+    configuration = study_of({"study": {"rocks": list(ROCKS)}})
+    return numerical_bias(assessed(known, configuration, configuration.titles))
+
+
+def test_the_headline_has_the_error_of_the_numerics_of_the_study(study, joints, table):
+    cost = cost_table([study], joints, PLAN)
+    row = row_of(table, ALL_ROCKS, "the paper's steps")
+    words = bias_of({"study_assessment": table, "study_assessment_cost": cost})
+    ends = f"{row.change_percent_low:.0f} to {row.change_percent_high:.0f}"
+    assert f"(the paper's steps) change the net closure by 25 ({ends}) % on cycle 1 and" in words
+    assert "against tolerance 0.02 on the same walls" in words
+    assert "share that remains is off by 10 (10 to 10) percentage points" in words
+    assert "4 joints of Slate, Dolerite" in words
+
+
+def test_the_headline_says_why_the_error_of_the_numerics_is_not_known(study, joints, table):
+    assert bias_of({}).endswith("the study was not assessed; make report does so.")
+    cost = cost_table([study], {}, PLAN)
+    words = bias_of({"study_assessment": table, "study_assessment_cost": cost})
+    assert "would take more than assessment.share allows" in words
+    finest = table.assign(of_study=table.variant == PLAN.ladder[-1])
+    cost = cost_table([study], joints, PLAN._replace(stated=PLAN.ladder[-1]))
+    words = bias_of({"study_assessment": finest, "study_assessment_cost": cost})
+    assert "no finer numerics than the study's (tolerance 0.02) are compared" in words
 
 
 def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
@@ -322,7 +408,8 @@ def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
     assert "3 lie outside of the model's range, in 2 of 9 cases" in text
     assert "Substrate is needed: joints that break have no equilibrium without it." in text
     assert "8 % was expected, and 10 % is allowed." in text
-    assert "of 4 joints. Half of a 95 % interval is 3.2 times as long." in " ".join(text.split())
+    assert "bars of closure are 95 % intervals of 4 joints by Student's t" in text
+    assert "whether these joints show its error to be within 5 % or beyond" in text
 
 
 @pytest.mark.parametrize(
@@ -343,5 +430,5 @@ def test_effects_are_not_left_out_together_where_one_is_off_and_the_other_was_ke
     acting = EFFECTS["slate"]._replace(gouge=False)
     chosen = {"effects": acting._asdict(), "cases": {"slate-base": {"reasons": [reason]}}}
     study.attrs["effects_chosen"] = json.dumps({"slate": chosen})
-    table = assessed_table(study, joints, PLAN, EFFECTS | {"slate": acting})
+    table = assessed_table(study, joints, PLAN, EFFECTS | {"slate": acting}, 0.05)
     assert LEFT_OUT not in set(table.state)

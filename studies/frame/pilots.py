@@ -12,6 +12,7 @@ import xarray as xr
 
 from jointclosure.assessment.selection import MOST_PAIRS, Pilot, choose_among
 from jointclosure.ensembles.joints import read_joint
+from jointclosure.statistics.standard_errors import rounded
 from jointclosure.walls import Walls
 from studies.frame.closing import Report, close_points, joined_rows, reading_of
 from studies.frame.settings import BASE, Point, joints_of
@@ -86,29 +87,44 @@ def tried(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
     return [(group[:: -(-len(group) // TRIED)], joints_of(group)) for group in alike.values()]
 
 
-def estimate_time(groups: Iterable[tuple[Sequence[Point], int]], report: Report) -> pd.DataFrame:
+def estimate_time(
+    groups: Iterable[tuple[Sequence[Point], int]],
+    report: Report,
+    scanned: Mapping[str, Sequence[Walls]] = {},
+) -> pd.DataFrame:
     """Estimate the processor time [s] of groups of points (`tried`) from one joint of each point.
 
-    A row per group: ``rock``, ``cells``, ``joints``, ``seconds`` of all joints and their standard
-    ``error``.
+    ``scanned`` has one pair of walls of each rock whose walls were scanned. A row per group:
+    ``rock``, ``cells``, ``joints``, ``tried`` (joints that were timed), ``seconds`` of all joints
+    and their standard ``error``.
     """
     rows = []
+    loaded = set()
     for points, joints in groups:
         first = [one._replace(settings=one.settings._replace(realizations=1)) for one in points]
-        times = close_points(first, ()).timing_simulation.to_series()
         rock = points[0].settings.case.rock
+        walls = scanned.get(rock)
+        model = points[0].settings.conditions.model
+        if model not in loaded:  # its kernels are loaded before a joint is timed
+            close_points(first[:1], (), walls=walls)
+            loaded.add(model)
+        times = close_points(first, (), walls=walls).timing_simulation.to_series()
         grid = points[0].settings.grid
         row = {"rock": rock, "cells": grid.cells_x * grid.cells_y, "joints": joints}
-        rows.append(row | {"seconds": joints * times.mean(), "error": joints * times.sem()})
+        row |= {"tried": len(times), "seconds": joints * times.mean()}
+        rows.append(row | {"error": joints * times.sem()})
         report(f"{rock}, {row['cells']} cells: about {rows[-1]['seconds']:.0f} s")
     return pd.DataFrame(rows)
 
 
-def described_time(estimate: pd.DataFrame) -> str:
-    """Describe a table of `estimate_time` in a sentence."""
+def described_time(estimate: pd.DataFrame, notes: Sequence[str] = ()) -> str:
+    """Describe a table of `estimate_time` in a sentence, with ``notes`` on what it leaves out."""
     minutes = estimate.seconds.sum() / 60
     error = math.hypot(*estimate.error) / 60
-    known = f" ± {error:.0f}" if math.isfinite(error) else ""
-    return (
-        f"{estimate.joints.sum()} joints will take about {minutes:.2g}{known} minutes on one core"
-    )
+    known = rounded(minutes, error) if error > 0.0 else f"{minutes:.2g}"
+    words = f"± standard error, from {estimate.tried.sum()} joints"
+    return "; ".join([
+        f"{estimate.joints.sum()} joints will take about {known} minutes of processor time on this "
+        f"machine ({words if error > 0.0 else 'from one joint of each kind'})",
+        *notes,
+    ])  # fmt: skip

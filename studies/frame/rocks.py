@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, create_model
 
-from jointclosure.inputs import InputError
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
@@ -17,6 +16,7 @@ from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
 from studies.frame.keys import OR_NULL, Distinct, Jrc, Section, Several, Text, entry, made_of
 from studies.frame.settings import SIDES
+from studies.frame.yaml_files import refuse
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
 """Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
@@ -267,11 +267,17 @@ def wall_files(walls: ScannedWalls) -> dict[str, str]:
 
 
 def check_files(rocks: dict[str, StudyRock]) -> None:
-    """Raise `InputError` if a file of scanned walls does not exist."""
+    """Raise `InputError` if files of scanned walls or of measured curves are missing; name all."""
+    refuse(_missing_files(rocks))
+
+
+def _missing_files(rocks: dict[str, StudyRock]) -> Iterator[str]:
+    """Generate a line for each missing file: its key, its path, and what is allowed."""
+    here = f"not found in {Path.cwd()}; must be the path of a file (from there, or absolute)"
     for name, rock in rocks.items():
         for side, file in (wall_files(rock.walls) if rock.walls else {}).items():
             if not all(part.is_file() for part in files_of(file)):
-                raise InputError(
-                    f"rocks.{name}.walls.{side} = {file!r}: not found in {Path.cwd()}; must be "
-                    f"a path (from there, or absolute) or one of {', '.join(PARTNERS)}"
-                )
+                words = f"{here} or one of {', '.join(PARTNERS)}"
+                yield f"rocks.{name}.walls.{side} = {file!r}: {words}"
+        if rock.measured and not Path(rock.measured.file).is_file():
+            yield f"rocks.{name}.measured.file = {rock.measured.file!r}: {here}"

@@ -78,6 +78,17 @@ def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
     check_files(study_of().rocks)
 
 
+def test_all_files_that_are_missing_are_named_at_once_with_what_is_allowed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    curve = {"rocks": {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}}
+    with pytest.raises(jc.InputError) as error:
+        check_files(study_of(with_walls(), curve).rocks)
+    of_walls, of_curve = str(error.value).splitlines()[1:]
+    place = f"not found in {tmp_path}; must be the path of a file (from there, or absolute)"
+    assert of_walls.startswith(f"  rocks.slate.walls.lower = 'scan.npz': {place} or one of rotated")
+    assert of_curve == f"  rocks.slate.measured.file = 'lab.csv': {place}"
+
+
 def test_heights_that_point_into_the_rock_are_turned(scan):
     walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
     np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)

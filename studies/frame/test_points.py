@@ -111,8 +111,36 @@ def test_the_time_of_all_joints_is_estimated_from_a_few_of_each_kind(all_points,
     assert (table[["seconds", "error"]] > 0.0).all(axis=None)
     assert len(lines) == 2
     assert described_time(table).startswith("16 joints will take about ")
+    count = sum(len(group) for group, _ in few)
+    assert described_time(table).endswith(f"(± standard error, from {count} joints)")
     alone, _ = few[0]
-    assert "±" not in described_time(estimate_time([(alone[:1], 8)], lines.append))
+    assert "±" not in described_time(estimate_time([(alone[:1], 8)], lines.append), ["a note"])
+
+
+def test_the_error_of_an_estimate_of_seconds_is_not_rounded_to_0():
+    table = pd.DataFrame({"joints": [44], "tried": [3], "seconds": [2.04], "error": [0.3]})
+    assert "about 0.034 ± 0.005 minutes" in described_time(table, ["a note"])
+    assert described_time(table, ["a note"]).endswith("; a note")
+
+
+def test_no_kernel_is_loaded_while_a_joint_is_timed(points, monkeypatch):
+    closed = []
+
+    def recorded(first, names, walls=None):
+        closed.append(len(first))
+        return close_points(first, names, walls=walls)
+
+    monkeypatch.setattr("studies.frame.pilots.close_points", recorded)
+    few, _ = tried(points)
+    estimate_time([few, few], lambda line: None)  # groups with the same kernels
+    assert closed == [1, len(few[0]), len(few[0])]
+
+
+def test_scanned_walls_of_a_rock_are_those_of_its_estimate(points):
+    wall = np.zeros((10, 10))
+    few = tried(points)
+    table = estimate_time(few[:1], lambda line: None, {"slate": [(wall, wall)]})
+    assert table.rock.tolist() == ["slate"]
 
 
 def test_a_folder_that_is_no_experiment_is_named():

@@ -662,8 +662,11 @@ def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
         axes.plot([middle] * 2, [y - 0.38, y - 0.14], color=_OURS, lw=2.2, zorder=4)
     for values, place, colour in ((ours, y - 0.1, _OURS), (null, y - 0.4, "0.5")):
         share = 100.0 * np.mean(np.isinf(values))
-        text = {"color": colour, "ha": "center", "va": "center", "fontsize": 8.5}
-        axes.text(1.45 * _DASH, place, f"{share:.0f} %", **text)
+        text = {"color": colour, "va": "center", "fontsize": 8.5}
+        axes.text(1.45 * _DASH, place, f"{share:.0f} %", ha="center", **text)
+        below = 100.0 * np.mean(values < _RANGE[0])
+        if below >= 0.5:  # zeros too, which have no place on a logarithmic axis
+            axes.text(1.05 * _RANGE[0], place, f"← {below:.0f} %", ha="left", **text)
 
 
 def _draw_published(axes, y: float, percent: float) -> None:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from jointclosure.parameters import PROPERTIES, Rock, key_of
 from jointclosure.parameters.units import in_unit
-from jointclosure.statistics.standard_errors import rounded, significant
+from jointclosure.statistics.standard_errors import half_width, rounded, significant
 from studies.frame.cases import level_names
 from studies.frame.rocks import StudyRock
 from studies.frame.settings import BASE, SIDES
@@ -109,16 +109,20 @@ def _mark(row: pd.Series, column: str) -> str:
 
 
 def closure_lines(closures: pd.DataFrame) -> list[str]:
-    """Describe mean net closures since seating, one sentence per rock, from `max_closure.csv`."""
+    """Describe mean net closures since seating, one sentence per rock, from `max_closure.csv`.
+
+    They have half of their 95 % interval.
+    """
     name = "max_closure_seated_net_mean_mm"
     base = closures[closures.parameter == BASE]
     return [
         f"{rock}: mean net closure since seating "
         + ", ".join(
-            f"{rounded(row[name], row[f'{name}_standard_error'])} mm on cycle {row.cycle}"
+            f"{rounded(row[name], half_width(row[f'{name}_standard_error'], row.samples))} mm "
+            f"on cycle {row.cycle}"
             for _, row in part.iterrows()
         )
-        + f" ({int(part.samples.min())} joints)"
+        + f" (± half of the 95 % interval, {int(part.samples.min())} joints)"
         for rock, part in base.groupby("rock", sort=False)
     ]
 

@@ -1,6 +1,5 @@
 """Measured curves that a study has for its rocks."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -33,21 +32,18 @@ def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
 
 
 def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock.
+    """Read and check measured curves by rock, whose files exist (`check_files` of rocks).
 
     Raises
     ------
     InputError
-        If a file does not exist or is not a curve, or if a curve has more cycles or larger stresses
-        than the study.
+        If a file is not a curve, or if a curve has more cycles or larger stresses than the study.
     """
     curves = {}
     for rock, of_rock in settings.items():
         about = of_rock.measured
         largest = of_rock.max_normal_stress
         file = about.file
-        if not Path(file).is_file():
-            raise InputError(f"rocks.{rock}.measured.file = {file!r}: file not found")
         area = None if about.area_mm2 is None else 1e-6 * about.area_mm2
         units = about.stress_unit, about.closure_unit
         curve = parsed_curve(read_text(file), file, *units, area=area)

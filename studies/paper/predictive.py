@@ -129,8 +129,9 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
 def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     """Tabulate the distribution of each entry over repetitions, in the units of Table 1.
 
-    Entries of the paper have the probability of a length at least as extreme, by the model and by
-    the null model.
+    ``share_without_root`` and ``share_zero`` are the shares of repetitions with a length of
+    infinity and of 0. Entries of the paper have the probability of a length at least as extreme, by
+    the model and by the null model.
     """
     published = _published(paper)
     rows = []
@@ -140,6 +141,7 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         base = lengths_of_studies.bases[entry]
         summary = repeated.length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
+        zero = summary.pop("share_zero")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
         row |= {"test": UNPAIRED, "base": base / unit.size}
         row |= {"pool": lengths_of_studies.pool[rock], "repetitions": lengths.size}
@@ -151,7 +153,9 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         shares = [float(np.isinf(drawn).mean()) for drawn in resampled]
         error = _error_with_pool(_error(share, lengths.size), shares, resampled)
         row |= {"share_without_root": share, "share_error": error}
-        row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
+        null = repeated.length_distribution(lengths_of_studies.null[0][entry])
+        row |= {"null_share_without_root": null.share_without_root}
+        row |= {"share_zero": zero, "null_share_zero": null.share_zero}
         if entry in published:
             row |= _of_paper(published[entry], entry, lengths_of_studies, unit.size)
         rows.append(row)
@@ -177,6 +181,7 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
 
     ``p`` is the share of repetitions that are equally or less likely, dashes included. It scatters
     more than a binomial share, as densities are estimated. ``null_p`` is that of the null model.
+    Where a repetition has a length of 0, tests of its entry are not defined, and empty.
     """
     published = {
         entry: length * PROPERTIES[entry[1]].size

@@ -5,6 +5,7 @@ import pytest
 
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.repetitions import Design
+from jointclosure.statistics.standard_errors import percent
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.cases import (
@@ -27,6 +28,7 @@ from studies.paper.predictive import (
     predictive,
     predictive_table,
 )
+from studies.paper.report.tables import predicted
 from studies.paper.responses import responses
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
@@ -136,6 +138,22 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
     np.testing.assert_allclose(once.p, joint.p)
     np.testing.assert_allclose(once.p_error, np.sqrt(once.p * (1.0 - once.p) / 400))
     assert dict(lengths_dataset(found).sizes) == {"entry": 8, "repetition": 400}
+
+
+def test_lengths_of_zero_have_their_shares(pool):
+    """They come from studies of two surfaces of a pool of three, often the same one twice."""
+    few = pool.isel(realization=slice(3))
+    found = predictive(few, Design(2), 200, 1, pools=0)
+    table = predictive_table(found, PAPER).set_index(["parameter", "cycle"])
+    for key, entry in {key[1:]: key for key in found.bases}.items():
+        assert table.share_zero[key] == np.mean(found.model[0][entry] == 0.0)
+        assert table.null_share_zero[key] == np.mean(found.null[0][entry] == 0.0)
+    assert (table.share_zero > 0.1).all()
+    assert (table.share_zero + table.share_without_root < 1.0).all()
+    assert joint_table(found, PAPER).p.isna().all()
+    shown = predicted(table.reset_index())
+    assert shown.zero[0] == percent(table.share_zero.iloc[0])
+    assert set(predicted(table.reset_index().drop(columns="share_zero")).zero) == {"–"}
 
 
 def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):

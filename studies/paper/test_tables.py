@@ -15,6 +15,7 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import subplots
 from jointclosure.statistics.repetitions import Design
+from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.walls.roughness import z2_of_jrc
@@ -29,6 +30,7 @@ from studies.paper import responses as measured
 from studies.paper.closures import indifference_table, max_closure_table
 from studies.paper.layout import (
     case_table,
+    closure_lines,
     figure_text,
     heading_of,
     interval_text,
@@ -128,7 +130,7 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
     paper = read_csv(PAPER_TABLE_3)
     schema = json_schema(model())
     shown = report.content(report.Material(study, tables, paper, DEFAULT, schema, {}))
-    row = shown["frames"]["in_short"].iloc[0, 1:]
+    row = shown["frames"]["in_short"].iloc[0]
     base = tables["max_closure"].query("parameter == 'base' and rock == 'slate'").set_index("cycle")
     assert row["Net closure since seating, cycle 2 (mm)"] == base.max_closure_seated_net_mean_mm[2]
     stays = base.residual_closure_seated_net_mean_mm[1] / base.max_closure_seated_net_mean_mm[1]
@@ -136,6 +138,38 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
     case = study.sel(case="slate-base", cycle=1)
     compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
     assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
+    # the headline: means of both rocks, each with half of its 95 % interval by 7 joints
+    closes = report.CLOSES.format(cycle=2)
+    error = base.max_closure_seated_net_mean_mm_standard_error[2]
+    assert row[f"{closes}_half_width"] == pytest.approx(2.447 * error, rel=1e-3)  # Student's t
+    assert shown["ranges"]["joints"] == "7"
+    low, high = (rounded(*one) for one in ends_of(shown["frames"]["in_short"], closes))
+    assert shown["ranges"][closes] == f"{low} to {high}"
+    assert " ± " in shown["ranges"][report.STAYS]
+    assert shown["bias"].endswith("the study was not assessed; make report does so.")
+
+
+def ends_of(frame, column):
+    """Return the smallest and the largest number of a column, with their half-widths."""
+    columns = frame[[column, f"{column}_half_width"]].sort_values(column)
+    return columns.to_numpy()[[0, -1]].tolist()
+
+
+def test_a_number_of_the_headline_without_an_error_is_only_rounded():
+    """As of one joint."""
+    numbers = pd.DataFrame({"Joints (n)": [1], "a": [0.12345], "a_half_width": [np.nan]})
+    ranges = report.ranges_of(numbers, resolved(KEYS))
+    assert (ranges["a"], ranges["joints"]) == ("0.12", "1")
+
+
+def test_the_last_lines_of_a_run_have_half_of_the_95_percent_interval():
+    name = "max_closure_seated_net_mean_mm"
+    row = {"rock": "slate", "parameter": "base", "cycle": 1, "samples": 2}
+    lines = closure_lines(pd.DataFrame([row | {name: 0.5, f"{name}_standard_error": 0.01}]))
+    assert lines == [
+        "slate: mean net closure since seating 0.50 ± 0.13 mm on cycle 1 "
+        "(± half of the 95 % interval, 2 joints)"
+    ]
 
 
 def test_settings_that_differ_from_the_papers_are_found():
@@ -497,6 +531,21 @@ def test_lengths_are_marked_by_what_is_doubtful_of_them(status, text):
 def test_the_heading_of_a_property_has_its_symbol_and_unit_and_of_the_roughness_its_name():
     assert heading_of("compressive_strength") == "Compressive strength σc (MPa)"
     assert heading_of("jrc") == "Joint roughness coefficient (JRC)"
+
+
+def test_the_share_of_lengths_below_the_axis_is_written_at_its_end(slate):
+    study, *_, lengths = slate
+    short = lengths.copy(deep=True)
+    short["percent"][:, ::4] = 0.0
+    paper = pd.DataFrame(columns=["rock", "parameter", "cycle", "paper_percent"])
+    shown, usual = (
+        [text.get_text() for text in figure.findobj(Text) if text.get_text().startswith("←")]
+        for figure in (
+            plotting.predictive_figure(one, paper, study.rocks, 20) for one in (short, lengths)
+        )
+    )
+    assert set(shown) == {"← 25 %"}
+    assert not usual
 
 
 def test_the_range_of_predicted_lengths_is_drawn_inside_its_axis(slate):

@@ -181,8 +181,14 @@ def test_ranges_of_lengths_with_dashes_have_no_upper_end():
 def test_ranges_of_lengths_leave_out_a_twentieth_or_a_fortieth_at_either_end():
     lengths = generator(3).permutation(np.arange(1.0, 1001.0))
     found = length_distribution(lengths)
-    assert found == pytest.approx((500.0, 50.0, 951.0, 25.0, 976.0, 0.0), abs=1.0)
+    assert found == pytest.approx((500.0, 50.0, 951.0, 25.0, 976.0, 0.0, 0.0), abs=1.0)
     assert found.low_90 <= 50.0 + 1.0 <= 950.0 <= found.high_90  # and never more than that
+
+
+def test_lengths_of_zero_are_a_share_of_their_own():
+    """As where the same surface is drawn alone at the base."""
+    found = length_distribution(np.array([0.0, 0.0, 3.0, np.inf]))
+    assert (found.share_zero, found.share_without_root) == (0.5, 0.25)
 
 
 def test_no_table_is_impossible_however_few_repetitions_have_a_root_or_none():

@@ -16,7 +16,7 @@ from jointclosure.cli.options import writable
 from jointclosure.inputs import InputError
 from jointclosure.plotting.style import subplots
 from jointclosure.storage import files, folders
-from jointclosure.storage.logs import logging_to
+from jointclosure.storage.logs import logging_to, reason_of_failure
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from tests.processes import python
 
@@ -321,6 +321,17 @@ def test_a_script_that_fails_logs_its_traceback(tmp_path):
     text = log.read_text()
     assert "Traceback" in text
     assert text.endswith("failed: InputError: heights.txt: is empty\n")
+
+
+def test_the_reason_of_a_failure_is_the_error_and_never_an_ordinary_line(tmp_path):
+    log = tmp_path / "script.log"
+    assert reason_of_failure(log) == "it ended before its log began"
+    with pytest.raises(SystemExit), logging_to(log):
+        raise InputError("two lines:\n  of an error")
+    assert reason_of_failure(log) == "InputError: two lines: of an error"
+    with logging_to(log) as book:  # as left by a process that is killed
+        book("realisation 1: status 0, 0.02 s")
+    assert reason_of_failure(log) == "it was killed, perhaps for lack of memory"
 
 
 def test_an_error_that_is_logged_is_raised_where_that_is_asked_for(tmp_path):

@@ -137,6 +137,21 @@ def test_an_estimate_states_the_time_of_all_joints(tmp_path):
     assert not (results / "mismatch").exists()
 
 
+@pytest.mark.slow
+def test_an_estimate_of_a_study_without_experiments_is_of_its_own_joints(tmp_path):
+    folder = checkout(tmp_path / "estimate")
+    printed = snakemake(folder, "estimate")
+    (line,) = [line for line in printed.splitlines() if "joints will take about" in line]
+    # 6 cases of 3 joints, and the same of the 4 joints of the pool
+    assert "42 joints will take about" in line
+    assert "minutes of processor time on this machine (± standard error, from 3 joints)" in line
+    assert "the assessment of make report adds about" in line
+    assert [path.name for path in (folder / "results/tiny/tables").iterdir()] == [
+        "study_estimate.csv"
+    ]
+    assert not (folder / "results/tiny/cases").exists()
+
+
 def test_a_row_more_of_a_sample_closes_no_former_joint():
     name = "global_sensitivity"
     few, many = (

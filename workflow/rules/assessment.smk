@@ -45,6 +45,7 @@ if PLAN is not None:
             keys_of_joints={rock: assessed_key(rock) for rock in PLAN.points},
             plan=PLAN._replace(points={}),
             effects={name: rock.effects for name, rock in STUDY.rocks.items()},
+            within=STUDY.assessment.within,
             code=code("tabulate_assessed.py"),
         message:
             "Tabulate what the numerics of the study reached, and what its effects add"

@@ -404,6 +404,52 @@ def files_of_experiment(experiment):
     return tables + figures
 
 
+# Estimates of the time (experiments.smk): of the experiments of a configuration, or, if it has none,
+# of the study
+
+
+def points_estimated(name):
+    """Return the points of an experiment, or those of all ensembles of the study ("study")."""
+    if name in EXPERIMENTS:
+        return [point for points in POINTS[name]().values() for point in points]
+    return [
+        case_point(of, case, range(of.study.realizations))
+        for ensemble, of in ENSEMBLES.items()
+        for case in CASES[ensemble].values()
+    ]
+
+
+def scans_estimated(name):
+    """Return the first file of windows, and its settings, of each rock whose walls were scanned.
+
+    An experiment has none, as it makes its walls.
+    """
+    if name in EXPERIMENTS:
+        return {}
+    count = STUDY.study.realizations if STUDY.study.accuracy else None
+    first = blocks_of(STUDY, count)[0]
+    return {
+        rock: (
+            surfaces_of("cases", f"{rock}-{BASE}", first.start, first.stop - 1),
+            case_point(STUDY, CASES["cases"][f"{rock}-{BASE}"], first).settings,
+        )
+        for rock in SCANNED
+    }
+
+
+def notes_on_estimate():
+    """Return notes on what the estimate of the time of the study does not contain."""
+    notes = []
+    if STUDY.study.accuracy:
+        notes += ["study.accuracy adds joints until it is reached"]
+    if CHOSEN:
+        notes += ["less if effects.auto leaves out effects"]
+    if PLAN is not None:
+        share = 100.0 * PLAN.seconds / PLAN.study_seconds
+        notes += [f"the assessment of make report adds about {share:.2g} %"]
+    return notes
+
+
 # Hard cases (hard_cases.smk)
 
 

@@ -99,34 +99,41 @@ rule draw_experiment:
 
 rule estimate_experiment:
     input:
-        kernels=lambda w: kernel_files(
-            point for points in POINTS[w.experiment]().values() for point in points
-        ),
+        kernels=lambda w: kernel_files(points_estimated(w.experiment)),
+        scanned=lambda w: [
+            surfaces for surfaces, _ in scans_estimated(w.experiment).values()
+        ],
     output:
         f"{RESULTS}/tables/{{experiment}}_estimate.csv",
     log:
         f"{RESULTS}/logs/estimate_experiment/{{experiment}}.log",
     wildcard_constraints:
-        experiment="|".join(EXPERIMENTS) or "none",
+        experiment="|".join(EXPERIMENTS) or "study",
     priority: 100
     conda:
         ENVIRONMENT
     params:
-        groups=lambda w: tried(
-            point for points in POINTS[w.experiment]().values() for point in points
-        ),
+        groups=lambda w: tried(points_estimated(w.experiment)),
+        scanned=lambda w: {
+            rock: settings
+            for rock, (_, settings) in scans_estimated(w.experiment).items()
+        },
+        notes=lambda w: notes_on_estimate() if w.experiment == "study" else [],
         code=code("estimate_experiment.py", titles=False),
     message:
-        "Estimate the time of {wildcards.experiment} from a few of its joints"
+        "Estimate the time of the joints of {wildcards.experiment} from a few of them"
     script:
         "../scripts/estimate_experiment.py"
 
 
 rule estimate:
     input:
-        collect(f"{RESULTS}/tables/{{experiment}}_estimate.csv", experiment=EXPERIMENTS),
+        collect(
+            f"{RESULTS}/tables/{{experiment}}_estimate.csv",
+            experiment=EXPERIMENTS or ["study"],
+        ),
     message:
-        "What the experiments of this configuration would take is in {RESULTS}/tables"
+        "Tables of the expected time are in {RESULTS}/tables"
 
 
 # Targets, one for each experiment: `snakemake mismatch --configfile studies/mismatch/mismatch.yaml`

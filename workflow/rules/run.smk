@@ -13,6 +13,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from jointclosure.execution.progress import duration, remaining
 from jointclosure.storage.files import read_csv
+from jointclosure.storage.logs import reason_of_failure
 from studies.frame.cases import expected_seconds
 from studies.paper.layout import closure_lines
 
@@ -40,10 +41,10 @@ class RunMessages(logging.Handler):
 
     def emit(self, record):
         event = getattr(record, "event", None)
-        if event == LogEvent.JOB_ERROR:
+        if event == LogEvent.JOB_ERROR and not INTERRUPTED:  # which kills all jobs
             for log in record.log:
                 print(
-                    f"{record.rule_name} failed: {last_line(log)}; its log is {log}",
+                    f"{record.rule_name} failed: {reason_of_failure(log)}; its log is {log}",
                     file=sys.stderr,
                 )
         # if its progress is not shown, Snakemake reports only jobs that start
@@ -111,17 +112,6 @@ def interrupt(number, frame):
         raise KeyboardInterrupt
 
 
-def last_line(log):
-    """Return the last line of the log of a job, which states the reason of a failure."""
-    if not os.path.exists(log):
-        return "it ended before its log began"
-    with open(log, errors="replace") as file:
-        lines = file.read().split("\n")
-    return next(
-        (line for line in reversed(lines) if line.strip()), "killed"
-    ).removeprefix("failed: ")
-
-
 onstart:
     # Two runs of one study at once are refused. The kernel ends the lock with this process,
     # whatever ends it, so that no run ever needs to be unlocked.
@@ -143,12 +133,19 @@ onstart:
     shell.prefix(f"set -euo pipefail; exec {ends}{start}{os.getpid()} ")
     signal.signal(signal.SIGINT, interrupt)
     # Lines on the selection of jobs are hidden, as the messages of rules announce jobs; so is the
-    # command of a job that failed, as its log and `RunMessages` have the reason.
+    # command of a job that failed, as its log and `RunMessages` have the reason. After an interrupt
+    # all jobs count as failed.
     hidden = re.compile(
         r"Select jobs to execute|Execute \d+ jobs|RuleException:\s+CalledProcessError"
     )
+    of_interrupt = re.compile("WorkflowError:\\s+At least one job did not complete")
     for handler in logger.handlers:
-        handler.addFilter(lambda record: not hidden.match(record.getMessage()))
+        handler.addFilter(
+            lambda record: not (
+                hidden.match(record.getMessage())
+                or (INTERRUPTED and of_interrupt.match(record.getMessage()))
+            )
+        )
     logger.addHandler(RunMessages(workflow.dag))
 
 
@@ -162,7 +159,8 @@ onsuccess:
 
 
 onerror:
+    end = "interrupted" if INTERRUPTED else "The run failed or was ended"
     print(
-        "The run failed or was ended. Finished jobs are kept, and the same command continues.",
+        f"{end}. Finished jobs are kept, and the same command continues.",
         file=sys.stderr,
     )

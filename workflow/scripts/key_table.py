@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 HEADER = """# Configuration
 
-A study is a small file with the keys that differ from `default.yaml`. That file is the paper's study, and states the source of each number. Lists replace lists, and everything else is merged. `make study CONFIG=config/mine.yaml` checks the merged configuration, runs the study, and writes to `results/<study.name>/`. An error names the key, its value and the allowed values. Editors can check YAML by `schema.json`.
+A study is a small file with the keys that differ from `default.yaml`. That file is the paper's study, and states the source of each number. Lists replace lists, and everything else is merged. `make study CONFIG=config/mine.yaml` checks the merged configuration, runs the study, and writes to `results/<study.name>/`. An error names the key, its value and the allowed values, also of files that are missing. `snakemake --configfile FILE` does the same, but if FILE itself is missing or is no YAML, Snakemake ends before it reads the project, with a text of its own; `make` names the file and the line. Editors can check YAML by `schema.json`.
 
 - `smoke.yaml` is a small version of the paper's study.
 - `my_rock.yaml` is a worked example ([how to write a study](../docs/first_hour.md)).

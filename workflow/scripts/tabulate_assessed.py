@@ -18,6 +18,8 @@ if __name__ == "__main__":
             rock: read_checked(file, params.keys_of_joints[rock])
             for rock, file in zip(params.keys_of_joints, read.joints, strict=True)
         }
-        table = assessed_table(datasets["study"], joints, params.plan, params.effects)
+        table = assessed_table(
+            datasets["study"], joints, params.plan, params.effects, params.within
+        )
         write_csv(table, output.differences)
         write_csv(cost_table(list(datasets.values()), joints, params.plan), output.cost)

@@ -199,10 +199,11 @@ def _moments(pool: Pool, resampled: np.ndarray, index: np.ndarray) -> tuple[np.n
 
 
 class LengthDistribution(NamedTuple):
-    """Median, ranges, and share of repetitions without a root, whose length is infinite.
+    """Median and ranges of lengths, and shares of repetitions with a length of infinity or of 0.
 
-    A range leaves out the same probability at both ends. One that ends at infinity covers more than
-    its nominal probability.
+    A length is infinite without a root. It is 0 if the closures drawn at the base do not scatter,
+    as where they are all of the same surface. A range leaves out the same probability at both ends.
+    One that ends at infinity covers more than its nominal probability.
     """
 
     median: float
@@ -211,6 +212,7 @@ class LengthDistribution(NamedTuple):
     low_95: float
     high_95: float
     share_without_root: float
+    share_zero: float
 
 
 def length_distribution(lengths: np.ndarray) -> LengthDistribution:
@@ -219,7 +221,9 @@ def length_distribution(lengths: np.ndarray) -> LengthDistribution:
     low = np.quantile(lengths, [0.05, 0.025], method="lower")
     high = np.quantile(lengths, [0.95, 0.975], method="higher")
     without = np.mean(np.isinf(lengths))
-    return LengthDistribution(*map(float, (middle, low[0], high[0], low[1], high[1], without)))
+    zero = np.mean(lengths == 0.0)
+    ends = low[0], high[0], low[1], high[1]
+    return LengthDistribution(*map(float, (middle, *ends, without, zero)))
 
 
 def two_sided_p(lengths: np.ndarray, observed: float) -> float:

@@ -35,8 +35,13 @@ def confidence_limits(
 ) -> Limits:
     """Return the confidence limits of (value, standard error) from n samples, by Student's t."""
     value, error = estimate
-    reach = float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * error
+    reach = half_width(error, samples, confidence)
     return Limits(value - reach, value + reach)
+
+
+def half_width(standard_error: float, samples: int, confidence: float = CONFIDENCE) -> float:
+    """Return half of the confidence interval of a mean of n samples; NaN for fewer than two."""
+    return float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * standard_error
 
 
 def deviations_of(samples) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TextIO
 
 SHOWN = "jointclosure: "  # prefix of lines on standard error that are for the user
+FAILED = "failed: "  # prefix of the reason at the end of the log of a failure
 
 
 class Logbook:
@@ -60,7 +61,7 @@ def logging_to(
             yield Logbook(stream)
         except BaseException as error:
             traceback.print_exception(error, file=stream)
-            print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
+            print(f"{FAILED}{type(error).__name__}: {error}", file=stream, flush=True)
             shutil.copyfile(log, f"{log}.failed")
             if raised:
                 raise
@@ -69,3 +70,18 @@ def logging_to(
     memory = most / (1e6 if sys.platform == "darwin" else 1e3)
     row = f"{time.monotonic() - start:.2f}\t{memory:.2f}\t{time.process_time() - used:.2f}"
     Path(benchmark).write_text(f"s\tmax_rss\tcpu_time\n{row}\n", encoding="utf-8")
+
+
+def reason_of_failure(log: str | Path) -> str:
+    """Return in one line why the work of a log (`logging_to`) failed.
+
+    A log that states no reason is of work that was ended from outside, whatever its last line is.
+    """
+    file = Path(log)
+    if not file.exists():
+        return "it ended before its log began"
+    lines = file.read_text(encoding="utf-8", errors="replace").split("\n")
+    starts = [place for place, line in enumerate(lines) if line.startswith(FAILED)]
+    if not starts:
+        return "it was killed, perhaps for lack of memory"
+    return " ".join(" ".join(lines[starts[-1] :]).split()).removeprefix(FAILED)

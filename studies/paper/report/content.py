@@ -14,12 +14,16 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
     Estimate,
     confidence_limits,
+    half_width,
     harmonic_mean,
     number_text,
+    percent,
     ratio_of_means,
     rounded,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
+from studies.assessment.reached import REFERENCE, verdict_of_cycles
+from studies.assessment.section import AssessmentSection
 from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.settings import SIDES
 from studies.frame.tables import succeeded
@@ -30,12 +34,14 @@ from studies.paper.checks import (
     remarked_joints,
 )
 from studies.paper.claims import OURS, TOLERANCE
-from studies.paper.closures import estimate_columns
 from studies.paper.layout import case_title, test_name
-from studies.paper.report.tables import About, frames_of
+from studies.paper.report.tables import About, frames_of, with_limits
 from studies.paper.requirements import REPORTED
 
 STAYS = "Share that remains at seating (%)"
+CLOSES = "Net closure since seating, cycle {cycle} (mm)"
+HALF_WIDTH = "_half_width"
+"""Suffix of the columns of half-widths of 95 % intervals."""
 
 
 class Material(NamedTuple):
@@ -63,14 +69,16 @@ def content(material: Material) -> dict:
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
     numbers = summary_frame(study, known["max_closure"], titles)
+    of_assessment = assessed(known, configuration, titles)
     return {
         "ranges": ranges_of(numbers, configuration),
+        "bias": numerical_bias(of_assessment),
         "headline": headline(known.get("elasticities")),
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
         "outcome": outcome(study, titles),
-        "assessed": assessed(known, configuration, titles),
+        "assessed": of_assessment,
         "scanned": scanned_walls(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
@@ -162,17 +170,49 @@ def assessed(
     if not cost.closed:
         return about
     settings = whole[whole.kind == "setting"]
-    reached = settings[settings.of_study.eq(True)]
+    within = configuration.section(AssessmentSection).within
+    about["within"] = percent(within)
+    reached = settings[settings.of_study.eq(True) & (settings.verdict != REFERENCE)]
     about["errors"] = [
-        f"{rounded(change, error)} % on cycle {cycle:.0f}"
-        for change, error, cycle in reached[reached.variant != reached.reference][
-            ["change_percent", "change_percent_standard_error", "cycle"]
-        ].to_numpy()
+        f"{with_limits(row, 'change_percent')} % on cycle {row.cycle:.0f}: {row.verdict}"
+        for _, row in reached.iterrows()
     ]
-    about["samples"] = int(whole.joints.max())
-    about["errors_of_95"] = confidence_limits((0.0, 1.0), about["samples"]).high
+    about["errors_of_share"] = [
+        f"{with_limits(row, 'remains_points')} percentage points"
+        for _, row in reached[reached.cycle == 1].iterrows()
+    ]
+    about["verdicts"] = {
+        name: verdict_of_cycles(rows) for name, rows in settings.groupby("variant", sort=False)
+    }
+    about["samples"] = int(settings.joints.max())
     about["rocks"] = [titles[rock] for rock in str(cost.rocks).split(", ")]
     return about
+
+
+def numerical_bias(about: Mapping[str, Any]) -> str:
+    """Describe the error of the numerics of a study in its headline, or why it is not known.
+
+    ``about`` is what `assessed` returns.
+    """
+    unknown = "The error of their numerics is not known, because "
+    if about["state"] == "off":
+        return f"{unknown}the configuration has assessment: null."
+    if about["state"] == "missing":
+        return f"{unknown}the study was not assessed; make report does so."
+    if about["state"] == "too long":
+        return (
+            f"{unknown}two joints by finer numerics would take more than assessment.share allows."
+        )
+    if not about["errors"]:
+        return f"{unknown}no finer numerics than the study's ({about['cost'].stated}) are compared."
+    joints = f"{about['samples']} joints of {', '.join(about['rocks'])}"
+    closures = " and ".join(error.partition(":")[0] for error in about["errors"])
+    share = f"; the share that remains is off by {about['errors_of_share'][0]}"
+    return (
+        f"In addition the numerics of this study ({about['cost'].stated}) change the net closure "
+        f"by {closures} against {about['cost'].reference} on the same walls{share} (95 % "
+        f"intervals, {joints}). The numbers above are not corrected for it."
+    )
 
 
 def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
@@ -184,33 +224,56 @@ def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
 def summary_frame(
     study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]
 ) -> pd.DataFrame:
-    """Tabulate closure, residual share and net normal stiffness of each rock's base case."""
+    """Tabulate closure, residual share and net normal stiffness of each rock's base case.
+
+    Columns with the suffix `HALF_WIDTH` have half of the 95 % interval of the number before them,
+    ``Joints (n)`` the number of joints.
+    """
     base = closures[closures.parameter == "base"]
     rows = []
     for rock, of_rock in base.groupby("rock", sort=False):
         case = study.sel(case=of_rock.case.iloc[0])
         used = case.isel(realization=succeeded(case).values)
-        row: dict[str, object] = {"Rock": titles[str(rock)]}
+        joints = used.sizes["realization"]
+        row: dict[str, object] = {"Rock": titles[str(rock)], "Joints (n)": joints}
         name = "max_closure_seated_net_mean_mm"
         for cycle, means in of_rock.set_index("cycle").iterrows():
             closure = Estimate(means[name], means[f"{name}_standard_error"])
-            row |= estimate_columns(f"Net closure since seating, cycle {cycle} (mm)", closure)
+            row |= _with_half_width(CLOSES.format(cycle=cycle), closure, joints)
         over, under = (
             used[f"{end}_closure_seated_net"].sel(cycle=1).values for end in ("residual", "max")
         )
-        row |= estimate_columns(STAYS, ratio_of_means(over, under), 100.0)
+        share = ratio_of_means(100.0 * over, under)
+        row |= _with_half_width(STAYS, share, int(np.isfinite(over + under).sum()))
         for cycle in of_rock.cycle:
-            stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
-            row |= estimate_columns(f"Net kn, cycle {cycle} (MPa/mm)", stiffness, 1e-9)
+            values = 1e-9 * used.stiffness_net.sel(cycle=cycle).values
+            known = int(np.isfinite(values).sum())
+            row |= _with_half_width(f"Net kn, cycle {cycle} (MPa/mm)", harmonic_mean(values), known)
         rows.append(row)
     return pd.DataFrame(rows)
 
 
+def _with_half_width(name: str, estimate: Estimate, joints: int) -> dict[str, object]:
+    """Return the columns of a number and of half of its 95 % interval by so many joints."""
+    return {
+        name: estimate.value,
+        f"{name}{HALF_WIDTH}": half_width(estimate.standard_error, joints),
+    }
+
+
 def ranges_of(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
-    """Return the ranges over the rocks of the columns of `summary_frame`, and of stresses."""
+    """Return the ranges over the rocks of the columns of `summary_frame`, and of stresses.
+
+    Their ends have half of their 95 % intervals, where the column has these.
+    """
     stresses = [1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()]
-    return {"stress": _range(stresses)} | {
-        name: _range(numbers[name].dropna().tolist()) for name in numbers.columns.drop("Rock")
+    counts = " to ".join(
+        map(str, sorted({numbers["Joints (n)"].min(), numbers["Joints (n)"].max()}))
+    )
+    return {"stress": _range(stresses), "joints": counts} | {
+        name: _range_with_errors(numbers[[name, f"{name}{HALF_WIDTH}"]].dropna(subset=name))
+        for name in numbers.columns
+        if f"{name}{HALF_WIDTH}" in numbers
     }
 
 
@@ -255,6 +318,17 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
             lows.append(low)
             highs.append(high)
     return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
+
+
+def _range_with_errors(numbers: pd.DataFrame) -> str:
+    """Return the range of the first column of a table; its ends have the errors of the second."""
+    if not len(numbers):
+        return _range([])
+    ends = numbers.sort_values(numbers.columns[0]).iloc[[0, -1]].to_numpy()
+    low, high = (
+        rounded(value, error) if error > 0.0 else number_text(value, 2) for value, error in ends
+    )
+    return low if len(numbers) == 1 else f"{low} to {high}"
 
 
 def _range(values: list[float]) -> str:

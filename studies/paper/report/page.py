@@ -25,22 +25,25 @@ class Sheet(NamedTuple):
     rows: list[tuple[str, ...]]
 
 
+_ERRORS = ("_standard_error", "_half_width")
+"""Suffixes of columns that have the error of a number."""
+
+
 def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {}) -> Sheet:
     """Make a table of the named ``columns`` of a frame, or of all columns if none is named.
 
     ``heads`` are headings by column; others are those of `heading_of`. Numbers are rounded by their
-    columns ``_standard_error``, which are not shown. Columns of adjusted numbers are left out if
-    all are missing.
+    columns of errors (``_standard_error`` or ``_half_width``), which follow them after "±". Columns
+    of adjusted numbers are left out if all are missing.
     """
     named = [(name, frame[name]) for name in columns.split()]
-    named = named or [one for one in frame.items() if not str(one[0]).endswith("_standard_error")]
+    named = named or [one for one in frame.items() if not str(one[0]).endswith(_ERRORS)]
     titles = []
     texts = []
     for name, values in named:
-        error = f"{name}_standard_error"
-        known = error in frame
+        errors = [frame[f"{name}{suffix}"] for suffix in _ERRORS if f"{name}{suffix}" in frame]
         shown = list(
-            map(rounded, values, frame[error]) if known else map(text, values.astype(object))
+            map(rounded, values, errors[0]) if errors else map(text, values.astype(object))
         )
         if "adjusted" in str(name) and all(one == ABSENT for one in shown):
             continue

@@ -14,7 +14,7 @@ from jointclosure.assessment.assess import ASSESSED, JUDGED
 from jointclosure.assessment.effect_names import effects_title
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES, scene_of
-from jointclosure.statistics.standard_errors import ABSENT, percent, rounded
+from jointclosure.statistics.standard_errors import ABSENT, number_text, percent, rounded
 from studies.frame.tables import in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
@@ -140,7 +140,9 @@ def predicted(predictive: pd.DataFrame) -> pd.DataFrame:
     """Add texts of shares and probabilities to the table of predicted entries of Table 3."""
     shares = zip(predictive.share_without_root, predictive.share_error, strict=True)
     none = [percent_text(share, error) for share, error in shares]
-    return _with_errors(predictive.assign(none=none), probability, "p", "null_p")
+    known = predictive.get("share_zero", pd.Series(np.nan, predictive.index))  # not in older tables
+    zero = [ABSENT if pd.isna(share) else percent(share) for share in known]
+    return _with_errors(predictive.assign(none=none, zero=zero), probability, "p", "null_p")
 
 
 def _with_errors(table: pd.DataFrame, shown: Callable, *names: str) -> pd.DataFrame:
@@ -188,8 +190,17 @@ def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
         shown[name] = [
             ABSENT if pd.isna(x) else f"{x:.0f}" for x in shown.get(name, [np.nan] * len(shown))
         ]
-    parts = {f"study_{kind}": part for kind, part in shown.groupby("kind", sort=False)}
-    return parts
+    for name, column in (("change", "change_percent"), ("remains", "remains_points")):
+        shown[name] = [with_limits(row, column) for _, row in shown.iterrows()]
+    return {f"study_{kind}": part for kind, part in shown.groupby("kind", sort=False)}
+
+
+def with_limits(row: pd.Series, name: str) -> str:
+    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)"; one joint has none."""
+    value, low, high = (row.get(f"{name}{end}", np.nan) for end in ("", "_low", "_high"))
+    if pd.isna(value) or not np.isfinite([low, high]).all():
+        return number_text(value, 2)
+    return f"{number_text(value, 2)} ({number_text(low, 2)} to {number_text(high, 2)})"
 
 
 def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:
