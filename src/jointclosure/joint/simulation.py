@@ -25,7 +25,7 @@ from jointclosure.joint.history import GROSS, history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
-from jointclosure.joint.step_control import check_elastic_steps, check_foreseen
+from jointclosure.joint.step_control import check_elastic_steps, check_foreseen, largest_strength
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -34,8 +34,7 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
     check_choices,
-    check_numerics,
-    check_scene,
+    check_effective,
     check_usual,
     in_double,
 )
@@ -58,6 +57,11 @@ def simulate(
 
     The walls are pressed together to a maximum stress and unloaded, once in each cycle. The
     equations of the model, with their sources, are in docs/model.md.
+
+    By default rock breaks in the fixed steps of the paper. `jointclosure.close` has resolved
+    breakage by default, which is more accurate and takes longer, so that both give other results
+    for the same walls (docs/reference.md#steps-of-breakage has the size of the difference). Here
+    ``numerics=Numerics(breakage="resolved")`` resolves breakage.
 
     Parameters
     ----------
@@ -127,6 +131,18 @@ def simulate(
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
     return close_checked(*walls, conditions.checked(snapshots), report, snapshots, pristine)
+
+
+def share_of_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> float:
+    """Return the largest stress over that which all cells of walls (y, x) [m] carry together.
+
+    It is 0 where nothing bounds this stress (`jointclosure.joint.step_control.largest_strength`).
+    """
+    pair = both_walls(conditions.rock)
+    numerics = in_double(conditions.numerics)
+    model = conditions.effects, in_double(conditions.choices), numerics
+    joint = Joint(upper, lower, conditions.grid_spacing, pair, *model)
+    return float(conditions.largest_stress) / largest_strength(joint, numerics)
 
 
 def close_walls(
@@ -270,8 +286,7 @@ def equilibrium(
     pair = both_walls(rock)
     if isinstance(effects, Effects):  # else it is refused
         effects = effects._replace(breakage=False, gouge=False)
-    check_scene(effects)
-    check_numerics(numerics)
+    check_effective(effects, choices, numerics)
     check_choices(choices, spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:

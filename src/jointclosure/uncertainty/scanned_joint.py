@@ -140,6 +140,10 @@ def close(
 ) -> ClosedJoint:
     """Register two scanned walls, and simulate the joint under load cycles with a range of results.
 
+    Breakage is resolved by default, and not in the fixed steps of the paper, which
+    `jointclosure.simulate` has: both give other results for the same walls
+    (docs/reference.md#steps-of-breakage has the size of the difference).
+
     Parameters
     ----------
     upper, lower : path, three paths, Scan, Cloud or "flat"
