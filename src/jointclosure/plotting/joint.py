@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.history import GROSS, NET, history_of
-from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
+from jointclosure.joint.laws import LAWS, BartonBandis, fitted_laws, parameter
 from jointclosure.joint.status import LOADING
 from jointclosure.joint.tables import WATER, has_bands, members, stress_table
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
@@ -228,15 +228,13 @@ def _draw_closure(
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
     middle = "closure_net_since_seating_mm"
     law = LAWS["hyperbolic"]
-    for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
-        # a loading beyond the former maximum is no hyperbola
-        if not history.former_maxima[int(cycle) - 1]:
-            stresses = rows.normal_stress_MPa.to_numpy()
-            constants, *_ = fit_law(law, stresses, rows[middle].to_numpy(), seating)
-            fitted = law.closure(stress, seating, *constants)
-            label = None if number else "hyperbolas fitted"
-            if np.isfinite(fitted).all():  # not that of a curve that does not bend
-                axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
+    fits = fitted_laws(joint, ["hyperbolic"], [LOADING])
+    for number, cycle in enumerate(loading.dropna(subset=middle).cycle.unique()):
+        constants = (parameter(fits, cycle, LOADING, name) for name in law.parameters)
+        fitted = law.closure(stress, seating, *constants)
+        label = None if number else "hyperbolas fitted"
+        if np.isfinite(fitted).all():  # not beyond a former maximum, or of a curve without bend
+            axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
         if cycle in laws:
             empirical = 1e3 * laws[cycle].closure(1e6 * (stress - seating))
             style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
