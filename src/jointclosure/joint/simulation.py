@@ -1,6 +1,7 @@
 """Close one joint: the public functions `simulate` and `equilibrium`."""
 
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Unpack, cast
 
@@ -130,7 +131,30 @@ def simulate(
     walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
-    return close_checked(*walls, conditions.checked(snapshots), report, snapshots, pristine)
+    checked = conditions.checked(snapshots)
+    for doubt in [] if conditions.unusual_values else near_strength(*walls, checked):
+        warnings.warn(doubt, stacklevel=2)
+    return close_checked(*walls, checked, report, snapshots, pristine)
+
+
+NEAR_STRENGTH = 0.75
+"""Largest stress over that which all cells together carry, from which a simulation is slow."""
+
+
+def near_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> list[str]:
+    """Say that a simulation of walls (y, x) [m] will be slow, if it is near the strength.
+
+    ``conditions`` were checked. A stress that is too large is refused later.
+    """
+    share = share_of_strength(upper, lower, conditions)
+    if not NEAR_STRENGTH <= share < 1.0:
+        return []
+    return [
+        f"max_normal_stress (--stress) = {1e-6 * conditions.largest_stress:g} MPa is "
+        f"{100.0 * share:.0f} % of the stress that all cells together carry: nearly all of them "
+        "break, so that this takes several times as long as at lower stresses, and the more so "
+        "the more cells there are (docs/hard_cases.md#near-the-strength)"
+    ]
 
 
 def share_of_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> float:

@@ -30,7 +30,7 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
-from jointclosure.joint.simulation import close_checked
+from jointclosure.joint.simulation import close_checked, near_strength
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import check_choices
@@ -228,6 +228,9 @@ def close(
     errors = None if single else pair.errors
     of_noise = _about_noise(pair, errors)
     remark(of_noise)
+    if not stated.unusual_values:
+        slow = near_strength(pair.upper, pair.lower, conditions)
+        remark(slow, slow)
     cost = expected_cost(pair.upper, pair.lower, conditions, single, ranges, errors, workers)
     if cost:
         sentence = cost.sentence(pair.upper.shape, pair.spacing)
