@@ -152,8 +152,8 @@ def near_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) 
     return [
         f"max_normal_stress (--stress) = {1e-6 * conditions.largest_stress:g} MPa is "
         f"{100.0 * share:.0f} % of the stress that all cells together carry: nearly all of them "
-        "break, so that this takes several times as long as at lower stresses, and the more so "
-        "the more cells there are (docs/hard_cases.md#near-the-strength)"
+        "break, and the simulation takes many times as long as at lower stresses "
+        "(docs/hard_cases.md#near-the-strength)"
     ]
 
 
