@@ -2,7 +2,7 @@
 
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, ClassVar, Self, TypeVar
@@ -220,17 +220,15 @@ def contradictions(whole: Configuration) -> Iterator[str]:
         (parameters.check_choices, whole.choices, spacing),
         (parameters.check_numerics, numerics),
     ]
-    for check, *arguments in checks:
-        try:
-            check(*arguments)
-        except InputError as error:
-            yield str(error)
-    share = stated["numerics"].get("idle_interaction")
-    if share and not any(scene.interaction for scene in scenes):
-        yield (
-            f"numerics.idle_interaction = {share:g}: must be null or 0, because "
-            "effects.interaction is false for every rock"
+    refused = list(_refused(checks))
+    if not refused:  # only settings that are allowed can be without an effect
+        acting = parameters.Effects(*map(any, zip(*scenes, strict=True)))  # in any rock
+        stated_numerics = numerics._replace(
+            idle_interaction=stated["numerics"].get("idle_interaction") or 0.0
         )
+        model = acting, whole.choices, stated_numerics, parameters.Numerics(), True
+        refused = list(_refused([(parameters.check_effective, *model)]))
+    yield from refused
     mating = surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells
     for name, section in whole.study_sections.items():
         yield from section.problems(whole)
@@ -249,6 +247,15 @@ def contradictions(whole: Configuration) -> Iterator[str]:
             )
         yield from rock.problems(f"rocks.{name}")
         yield from _rock_problems(f"rocks.{name}", rock, whole)
+
+
+def _refused(checks: Iterable[tuple]) -> Iterator[str]:
+    """Generate the messages of checks (function, arguments) that raise an `InputError`."""
+    for check, *arguments in checks:
+        try:
+            check(*arguments)
+        except InputError as error:
+            yield str(error)
 
 
 def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:

@@ -145,7 +145,7 @@ ACCURATE = {"accuracy": {"within": 0.1}}
      ({"surface": {"mismatch_wavelength_mm": 1, "correlation": 0.5}},
       "correlation = 0.5: must be 0 if mismatch_wavelength is given"),
      ({"effects": {"interaction": False}, "numerics": {"idle_interaction": 0.02}},
-      "numerics.idle_interaction = 0.02: must be null or 0"),
+      "idle_interaction = 0.02: has no effect without interaction"),
      ({"effects": {"auto": 1.5}}, "effects.auto = 1.5: must be less than 1"),
      ({"rocks": {"slate": {"effects": {"breakage": False}}}}, "gouge"),
      ({"rocks": {"slate": {"effects": {"glue": True}}}}, "effects.glue = True: unknown key"),

@@ -47,7 +47,10 @@ def nothing_is_computed(monkeypatch, inputs):
             ["simulate", *GRANITE, "--jrc", 8, "--stress", "5,6"],
             "(--stress) = [5, 6] MPa: maxima and minima",
         ),
-        (["simulate", "--rock", "slate", "--tolerance", 0.01], "--tolerance: has no effect on"),
+        (
+            ["simulate", "--rock", "slate", "--tolerance", 0.01],
+            "tolerance = 0.01: has no effect",
+        ),
         (["simulate", "--rock", "slate", "--output", "joint.txt"], "joint.txt: must end in .nc"),
         (["simulate", "--rock", "slate", "--snapshots", 1], "--snapshots: needs --output FILE.nc"),
         (["simulate", "--rock", "slate", "--rule", "x"], "--rule: invalid choice: 'x' (choose"),

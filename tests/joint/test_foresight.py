@@ -16,6 +16,7 @@ from jointclosure.mechanics.strength import strength_factor
 from jointclosure.solvers import fast
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint
+from jointclosure.walls.gridding import Scan
 from tests import joints
 from tests.joints import SPACING, pair
 
@@ -216,3 +217,31 @@ def test_a_cycle_whose_loading_breakage_jumps_over_at_once_has_a_closure_of_zero
     assert joint.max_closure.values[0] > 0.0
     assert joint.max_closure.values[1] == 0.0
     assert np.isfinite(joint.residual_closure).all()
+
+
+NEAR = {"spacing": SPACING, "rock": joints.DOLERITE, "numerics": jc.Numerics(breakage="resolved")}
+
+
+@pytest.mark.parametrize("door", ["simulate", "close"])
+def test_a_stress_near_that_of_all_cells_is_warned_of_before_the_simulation(door, monkeypatch):
+    for module in ("joint.simulation", "uncertainty.scanned_joint"):
+        monkeypatch.setattr(f"jointclosure.{module}.close_checked", None)
+    walls = pair(24)
+    if door == "close":
+        above = 3.0 * np.abs(walls[0]).max()
+        walls = [
+            Scan(wall, (SPACING, SPACING), (0.0, 0.0)) for wall in (above - walls[0], walls[1])
+        ]
+    about = {"single": True, "orientation": "common_frame"} if door == "close" else {}
+    with pytest.raises(UserWarning, match=r"= 120 MPa is 89 % of the stress that all cells"):
+        getattr(jc, door)(*walls, max_normal_stress=120e6, **NEAR | about)
+
+
+@pytest.mark.parametrize(
+    ("stress", "change"),
+    [(90e6, {}), (120e6, {"numerics": jc.Numerics()}), (120e6, {"effects": joints.ELASTIC}),
+     (120e6, {"choices": jc.Choices(strength_bound="none")}), (150e6, {})],
+)  # fmt: skip
+def test_other_stresses_are_not_said_to_be_slow(stress, change):
+    conditions = jc.Conditions(max_normal_stress=stress, **NEAR | change).checked()
+    assert simulation.near_strength(*pair(12), conditions) == []

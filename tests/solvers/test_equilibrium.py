@@ -53,7 +53,7 @@ def test_forces_and_gaps_are_complementary(solver, small_joint, closure, soft_pe
     effects = ELASTIC._replace(soft_peaks=soft_peaks)
     # the deepest closure takes 8 GPa
     about = {"effects": effects, "unusual_values": True, "solver": solver}
-    exact = {"force_tolerance": 1e-10, "sweep_tolerance": 1e-12}
+    exact = {"force_tolerance": 1e-10} if solver == "fast" else {"sweep_tolerance": 1e-12}
     found = balanced(small_joint, closure, **about, **exact)
     force = found.force.values
     assert force.min() >= 0.0

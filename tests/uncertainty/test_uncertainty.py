@@ -1,16 +1,21 @@
 """Range of a closed joint over what the model leaves open."""
 
+import functools
+
 import numpy as np
 import pandas as pd
 import pytest
 import scipy
 
 import jointclosure as jc
+from jointclosure.cli.results import summary
+from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
+from jointclosure.joint.laws import laws_of_joint
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
-from jointclosure.joint.tables import cycle_table
-from jointclosure.plotting.joint import range_figure
+from jointclosure.joint.tables import ENDS, cycle_table, stress_table
+from jointclosure.plotting.joint import engineering_figure, range_figure
 from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
@@ -47,9 +52,53 @@ CLOSURE = next(iter(QUANTITIES))
 MODULI = {"youngs_modulus": (50e9, 90e9)}
 
 
+NO_LAWS = laws_of_joint(2.0, 165e6, 0.2e6, 1)
+
+
+@functools.cache
+def budget_joint():
+    return close_walls(*pair((20, 24)), CONDITIONS)
+
+
 @pytest.fixture(scope="module")
 def budget():
     return uncertainty_budget(*pair((20, 24)), CONDITIONS, MODULI, workers=1)
+
+
+def test_bands_with_other_choices_contain_those_of_nine_in_ten(budget):
+    curves = budget.curves
+    names = [name for name in CURVES if f"{name}_low" in curves]
+    for name in names:
+        ends = [f"{name}_{end}" for end in (WIDER[0], *ENDS, WIDER[1])]
+        known = curves[ends].dropna()
+        assert len(known)
+        assert (np.diff(known, axis=1) >= 0.0).all(), name
+        assert (known[ends[3]] - known[ends[0]] > known[ends[2]] - known[ends[1]]).any(), name
+    at_maximum = curves[curves.branch == "loading"].iloc[-1]
+    for end in WIDER:
+        band = at_maximum[f"closure_net_since_seating_mm_{end}"]
+        assert band == pytest.approx(budget.ranges.loc[(1, CLOSURE_NET), end], rel=0.05)
+
+
+def test_named_stresses_have_ranges_with_other_choices_too(budget):
+    text, answer = summary(budget_joint(), NO_LAWS, budget.curves, budget, [2e6])
+    (row,) = answer["at_with_other_choices"]
+    (usual,) = answer["at"]
+    title = CURVES["closure_net_since_seating_mm"][0]
+    at_maximum = budget.curves[budget.curves.branch == "loading"].iloc[-1]
+    low, high = (at_maximum[f"closure_net_since_seating_mm_{end}"] for end in WIDER)
+    assert [float(end) for end in row[title].split(" to ")] == pytest.approx([low, high], rel=0.05)
+    assert row["cycle"] == usual["cycle"]
+    assert f"the same, {budget.wider_title()}" in text
+    single = summary(budget_joint(), NO_LAWS, stress_table(budget_joint()), None, [2e6])[1]
+    assert single["at_with_other_choices"] == []
+
+
+def test_bands_with_other_choices_are_drawn_and_named(budget):
+    figure = engineering_figure(budget_joint(), "a joint", budget.curves)
+    (legend,) = figure.legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert "cycle 1, band of nine in ten, with other choices of the model" in names
 
 
 def test_total_indices_are_those_of_a_product():

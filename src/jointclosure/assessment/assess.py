@@ -391,7 +391,7 @@ def assess(
         If an argument is out of its range or a scan cannot be read.
     """
     changes = changes if conditions else {"numerics": RESOLVED} | changes
-    given = conditions_from(conditions, changes, "assess")
+    given = conditions_from(conditions, changes, "assess", varied=True)
     check_request(given, within, budget)
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")

@@ -316,7 +316,7 @@ def choose_effects(
         If the tolerance or the number of joints is out of range, there are no walls, or
         `jointclosure.simulate` refuses an argument.
     """
-    stated = conditions_from(conditions, changes, "choose_effects")
+    stated = conditions_from(conditions, changes, "choose_effects", varied=True)
     check_below("tolerance", tolerance, 1.0)
     check_count("joints", joints, 1, 100_000)
     pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), stated.spacing)

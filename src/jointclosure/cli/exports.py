@@ -14,7 +14,8 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.curves import table_levels
 from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
-from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws
+from jointclosure.joint.interpolation import cubic_over
+from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
 from jointclosure.joint.status import LOADING
 from jointclosure.joint.tables import ONLY_BOUNDS, curve_table, cycle_table, members
 
@@ -162,7 +163,8 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
     """Return the hyperbolas of the last loading by endings of `_CLOSES`; print what has none.
 
     They are net, because programs deform the rock themselves, and count from the seating stress,
-    at which all have the aperture of the joint. Raise `InputError` if the joint itself has none.
+    at which all have the aperture of the joint. That of the joint is the one of `fitted_laws`;
+    those of a band are fitted at the same stresses. Raise `InputError` if the joint has none.
     """
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
@@ -176,14 +178,12 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
     aperture = 1e3 * history.seat(cycle, LOADING, "mean_aperture")
+    stress, closure = law_curves(joint)[cycle, LOADING]
     found = {}
     for of_band, rows in loadings.items():
         ending, which = _CLOSES[of_band]
-        stress = rows.normal_stress_MPa
-        closure = rows.closure_net_since_seating_mm.to_numpy()
-        start = closure[0] if seating > 0.0 else 0.0  # else the first stress is above seating
-        fitted, _, _ = fit_law(law, stress.to_numpy(), closure - start, seating)
-        stiffness, largest = fitted
+        more = _difference_at(stress, rows, loadings[""], seating)
+        (stiffness, largest), _, _ = fit_law(law, stress, closure + more, seating)
         if not np.isfinite(largest):
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
@@ -200,6 +200,19 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             )
         found[ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture, cycle)
     return found
+
+
+def _difference_at(
+    stress: np.ndarray, rows: pd.DataFrame, of_joint: pd.DataFrame, seating: float
+) -> np.ndarray:
+    """Return how much more an end of a band closes than the joint (n,) [mm] at stresses [MPa]."""
+    column = "closure_net_since_seating_mm"
+    known = rows.normal_stress_MPa.to_numpy()
+    more = (rows[column] - of_joint[column]).to_numpy()
+    if seating == 0.0:  # the first known stress is above seating, from which closures count
+        known = np.insert(known, 0, 0.0)
+        more = np.insert(more, 0, 0.0)
+    return cubic_over(known, more - more[0])(np.clip(stress, known[0], known[-1]))
 
 
 def porepy_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:

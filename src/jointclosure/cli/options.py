@@ -274,10 +274,6 @@ def keywords(
     rock = rock._replace(**given(arguments, needed))
     stated = given(arguments, Numerics._fields)
     numerics = (Numerics() if "breakage" in stated else usual)._replace(**stated)
-    if "tolerance" in stated and numerics.breakage != "resolved":
-        raise InputError(
-            "--tolerance: has no effect on fixed steps of breakage, needs --breakage resolved"
-        )
     return rock, given(arguments, inspect.signature(function).parameters) | {
         **{name: getattr(rock, name) for name in needed},
         "rock": rock.intact,

@@ -151,6 +151,8 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
     }  # fmt: skip
     if record.get("at"):
         tables["named"] = pd.DataFrame(record["at"])
+    if record.get("at_with_other_choices"):
+        tables["named_choices"] = pd.DataFrame(record["at_with_other_choices"])
     if record.get("with_other_choices"):
         wider = pd.DataFrame(record["with_other_choices"])
         tables["choices"] = wider.rename_axis("result").reset_index()

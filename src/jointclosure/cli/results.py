@@ -21,6 +21,7 @@ from jointclosure.joint.tables import (
     flow_statuses,
     has_bands,
     members,
+    wider_members,
 )
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.folders import replace_files, write
@@ -115,12 +116,16 @@ def summary(
     named = named_table(curves, at)
     if len(named):
         lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
+    wider_named = named_table(curves, at, with_choices=True)
+    if len(wider_named) and budget is not None:
+        lines += [f"the same, {budget.wider_title()}", wider_named.to_string(index=False)]
     lines += [f"- {remark}" for remark in remarks]
     answer = {
         "table": table.to_dict(),
         "with_other_choices": wider.to_dict(),
         "choices": choices,
         "at": named.to_dict("records"),
+        "at_with_other_choices": wider_named.to_dict("records"),
         "remarks": remarks,
     }
     return "\n".join(lines), answer
@@ -168,18 +173,27 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
     return remarks
 
 
-def named_table(curves: pd.DataFrame, at: Sequence[float]) -> pd.DataFrame:
-    """Return curves on loading at stresses [Pa] as text, a row for each cycle and stress."""
+def named_table(
+    curves: pd.DataFrame, at: Sequence[float], with_choices: bool = False
+) -> pd.DataFrame:
+    """Return curves on loading at stresses [Pa] as text, a row for each cycle and stress.
+
+    ``with_choices`` is whether these are the bands with other choices of the model, which are not
+    known of a single run.
+    """
     known = (curves.branch == LOADING) & curves.normal_stress_MPa.isin(np.asarray(at) / 1e6)
     rows = curves[known].dropna(subset=members(curves, _NAMED[0]))  # that the cycle reached
-    if rows.empty:
+    if rows.empty or (with_choices and not wider_members(curves, _NAMED[0])):
         return pd.DataFrame()
     shown = rows[["cycle", "normal_stress_MPa"]].rename(
         columns={"normal_stress_MPa": "normal stress (MPa)"}
     )
     figures = 2 if has_bands(curves) else 4
     for name in _NAMED:
-        if name in curves:
+        if name in curves and with_choices:
+            low, high = (_texts(rows[column], name, 2) for column in wider_members(curves, name))
+            shown[CURVES[name][0]] = low.where(low == high, low + " to " + high)
+        elif name in curves:
             shown[CURVES[name][0]] = with_bands(rows, name, figures)
     return shown
 
@@ -222,16 +236,18 @@ def result_table(
 def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
     """Return a quantity of `stress_table` as text, each value with its band if that is known."""
     columns = members(curves, name)
-    least = ROUNDING if name.endswith("_mm") else 0.0
-    values = curves[columns].map(
-        lambda value: number_text(0.0 if abs(value) <= least else value, figures)
-    )
-    middle, *ends = (values[column] for column in columns)
+    middle, *ends = (_texts(curves[column], name, figures) for column in columns)
     if not ends:
         return middle
     # a value that is so by definition, such as the closure at seating, has no range
     same = ~(curves[columns].max(axis=1) > curves[columns].min(axis=1))
     return middle.where(same, middle + " (" + ends[0] + " to " + ends[1] + ")")
+
+
+def _texts(values: pd.Series, name: str, figures: int) -> pd.Series:
+    """Format values of a quantity of `stress_table`, as 0 what is the rounding of it."""
+    least = ROUNDING if name.endswith("_mm") else 0.0
+    return values.map(lambda value: number_text(0.0 if abs(value) <= least else value, figures))
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:

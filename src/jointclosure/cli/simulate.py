@@ -22,7 +22,7 @@ from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import closing_bar, duration
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions, check_named_stresses
+from jointclosure.joint.conditions import Conditions, check_named_stresses, conditions_from
 from jointclosure.joint.curves import table_levels
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     rock, stated = options.keywords(arguments, Conditions, Numerics(), "jrc", "max_normal_stress")
     about = options.given(arguments, inspect.signature(wall_pair).parameters)
     about["jrc"] = jrc = stated.pop("jrc")
-    conditions = Conditions(**stated)
+    conditions = conditions_from(None, stated, "simulate", "spacing")
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
     check_named_stresses(arguments.at, conditions.checked(kept))
     lengths = options.given(arguments, ("joint_length", "lab_length"))

@@ -11,11 +11,13 @@ from jointclosure.inputs import InputError, check_count, check_length, check_num
 from jointclosure.inputs.keywords import check_keywords, takes
 from jointclosure.joint.rocks import ROCKS, both_walls, rock_record
 from jointclosure.parameters import (
+    RESOLVED,
     Choices,
     Effects,
     Numerics,
     Rock,
     check_choices,
+    check_effective,
     check_numerics,
     check_scene,
     check_usual,
@@ -288,32 +290,31 @@ def model_attributes(
 
 takes_conditions = takes(Conditions)
 """Decorator of functions with the fields of `Conditions` as ``**changes``."""
-RESOLVED = Numerics(
-    breakage="resolved",
-    tolerance=0.02,
-    displacement_step=3e-6,
-    later_displacement_step=3e-6,
-    breakage_step=1e-6,
-    later_breakage_step=1e-6,
-)
-"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
-steps, from which resolved breakage starts, are short enough for smooth curves."""
 takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
 """Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
 resolved unless numerics are given, and scans determine the spacing."""
 
 
 def conditions_from(
-    conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
+    conditions: Conditions | None,
+    changes: Mapping[str, Any],
+    function: str,
+    *required: str,
+    varied: bool = False,
 ) -> Conditions:
     """Return ``conditions`` with the fields ``changes``, or new conditions with these fields.
 
     Raise `TypeError` for an unknown field, and for new conditions without rock, maximum stress or
-    one of the ``required`` fields. The message names the ``function``.
+    one of the ``required`` fields; the message names the ``function``. Raise `InputError` for a
+    setting that has no effect (`check_effective`). ``varied`` is whether the function also
+    simulates joints with fewer effects.
     """
     needed = () if conditions else (*required, "rock", "max_normal_stress")
     inside = {"effects": Effects._fields, "choices": Choices._fields, "numerics": Numerics._fields}
     check_keywords(function, changes, Conditions._fields, needed, inside)
-    if conditions is not None:
-        return conditions._replace(**changes)
-    return Conditions(**{"spacing": None, **changes})
+    if conditions is None:
+        stated = Conditions(**{"spacing": None, **changes})
+    else:
+        stated = conditions._replace(**changes)
+    check_effective(*stated.model, varied=varied)
+    return stated

@@ -1,6 +1,7 @@
 """Close one joint: the public functions `simulate` and `equilibrium`."""
 
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Unpack, cast
 
@@ -25,7 +26,7 @@ from jointclosure.joint.history import GROSS, history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
-from jointclosure.joint.step_control import check_elastic_steps, check_foreseen
+from jointclosure.joint.step_control import check_elastic_steps, check_foreseen, largest_strength
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -34,8 +35,7 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
     check_choices,
-    check_numerics,
-    check_scene,
+    check_effective,
     check_usual,
     in_double,
 )
@@ -58,6 +58,11 @@ def simulate(
 
     The walls are pressed together to a maximum stress and unloaded, once in each cycle. The
     equations of the model, with their sources, are in docs/model.md.
+
+    By default rock breaks in the fixed steps of the paper. `jointclosure.close` has resolved
+    breakage by default, which is more accurate and takes longer, so that both give other results
+    for the same walls (docs/reference.md#steps-of-breakage has the size of the difference). Here
+    ``numerics=Numerics(breakage="resolved")`` resolves breakage.
 
     Parameters
     ----------
@@ -126,7 +131,42 @@ def simulate(
     walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
-    return close_checked(*walls, conditions.checked(snapshots), report, snapshots, pristine)
+    checked = conditions.checked(snapshots)
+    for doubt in [] if conditions.unusual_values else near_strength(*walls, checked):
+        warnings.warn(doubt, stacklevel=2)
+    return close_checked(*walls, checked, report, snapshots, pristine)
+
+
+NEAR_STRENGTH = 0.75
+"""Largest stress over that which all cells together carry, from which a simulation is slow."""
+
+
+def near_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> list[str]:
+    """Say that a simulation of walls (y, x) [m] will be slow, if it is near the strength.
+
+    ``conditions`` were checked. A stress that is too large is refused later.
+    """
+    share = share_of_strength(upper, lower, conditions)
+    if not NEAR_STRENGTH <= share < 1.0:
+        return []
+    return [
+        f"max_normal_stress (--stress) = {1e-6 * conditions.largest_stress:g} MPa is "
+        f"{100.0 * share:.0f} % of the stress that all cells together carry: nearly all of them "
+        "break, and the simulation takes many times as long as at lower stresses "
+        "(docs/hard_cases.md#near-the-strength)"
+    ]
+
+
+def share_of_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> float:
+    """Return the largest stress over that which all cells of walls (y, x) [m] carry together.
+
+    It is 0 where nothing bounds this stress (`jointclosure.joint.step_control.largest_strength`).
+    """
+    pair = both_walls(conditions.rock)
+    numerics = in_double(conditions.numerics)
+    model = conditions.effects, in_double(conditions.choices), numerics
+    joint = Joint(upper, lower, conditions.grid_spacing, pair, *model)
+    return float(conditions.largest_stress) / largest_strength(joint, numerics)
 
 
 def close_walls(
@@ -270,8 +310,7 @@ def equilibrium(
     pair = both_walls(rock)
     if isinstance(effects, Effects):  # else it is refused
         effects = effects._replace(breakage=False, gouge=False)
-    check_scene(effects)
-    check_numerics(numerics)
+    check_effective(effects, choices, numerics)
     check_choices(choices, spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:

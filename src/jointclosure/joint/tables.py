@@ -23,6 +23,10 @@ TRANSMISSIVITIES = {
 """Columns of the transmissivity of water, and of its bounds, by those of apertures."""
 FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
 """Words of the status of a flow, from the one by which most is known."""
+ENDS = ["low", "high"]
+"""Ends of a range or band, as the names of its columns end."""
+WIDER = ["low_with_choices", "high_with_choices"]
+"""Ends of the range or band with other choices of the model too."""
 ONLY_BOUNDS = FLOW_STATUSES[2:]
 """Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
@@ -164,7 +168,7 @@ def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
     added = {}
     for name, transmissivity in TRANSMISSIVITIES.items():
         if name in curves:
-            for column in members(curves, name):
+            for column in [*members(curves, name), *wider_members(curves, name)]:
                 added[column.replace(name, transmissivity)] = WATER * (1e-3 * curves[column]) ** 3
     return curves.assign(**added)
 
@@ -177,5 +181,10 @@ def has_bands(curves: pd.DataFrame) -> bool:
 def members(curves: pd.DataFrame, name: str) -> list[str]:
     """Return the columns of a quantity: that of the joint, and low and high if it has a band."""
     if f"{name}_low" in curves:
-        return [name, f"{name}_low", f"{name}_high"]
+        return [name, *(f"{name}_{end}" for end in ENDS)]
     return [name]
+
+
+def wider_members(curves: pd.DataFrame, name: str) -> list[str]:
+    """Return the columns of a quantity's band with other choices of the model, if it has one."""
+    return [f"{name}_{end}" for end in WIDER if f"{name}_{end}" in curves]

@@ -15,10 +15,12 @@ from jointclosure.measured.calibration import Readings, readings_of_curve
 from jointclosure.measured.curves import MeasuredCurve, check_curve, parsed_curve
 from jointclosure.parameters import (
     PROPERTIES,
+    RESOLVED,
     Choices,
     Effects,
     Numerics,
     Rock,
+    check_effective,
     check_rock,
     check_usual,
 )
@@ -193,10 +195,14 @@ class AskedJoints(NamedTuple):
             f" strength {strength} MPa; measured closures net of the intact rock's deformation"
         )
 
-    def conditions(self, numerics: Numerics) -> Conditions:
-        """Return the conditions of the first cycle."""
+    def conditions(self, numerics: Numerics, usual: Numerics = RESOLVED) -> Conditions:
+        """Return the conditions of the first cycle.
+
+        Raise `InputError` for a setting that has no effect, unless it is ``usual``.
+        """
         measured = self.measured
         joint = self.joint
+        check_effective(joint.effects, joint.choices, numerics, usual)
         return Conditions(
             self.walls.spacing, self.rock, float(measured.levels[-1]), 1, measured.seating,
             joint.effects, joint.choices, numerics,

@@ -257,7 +257,7 @@ def validate(
     tried = np.geomspace(*ends, STRENGTHS)
     wavelengths = given.wavelengths
     joints = Joints(
-        given, given.conditions(numerics), tuple(tried.tolist()),
+        given, given.conditions(numerics, NUMERICS), tuple(tried.tolist()),
         (tried.size, 1, wavelengths.size * tried.size), laters, cache, workers, report,
     )  # fmt: skip
     joints.check(ends)

@@ -235,6 +235,16 @@ class Numerics(NamedTuple):
     idle_interaction: Annotated[float, "[0, 1)"] = 0.0
 
 
+RESOLVED = Numerics(
+    breakage="resolved",
+    tolerance=0.02,
+    displacement_step=3e-6,
+    later_displacement_step=3e-6,
+    breakage_step=1e-6,
+    later_breakage_step=1e-6,
+)
+"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
+steps, from which resolved breakage starts, are short enough for smooth curves."""
 SOLVER_NAMES: tuple[str, ...] = get_args(Numerics.__annotations__["solver"])
 """Names of the solvers, which `solvers.registry.solver_named` finds."""
 
@@ -343,7 +353,7 @@ def check_numerics(numerics: Numerics) -> None:
         loss = getattr(numerics, f"{prefix}breakage_step")
         check_positive(f"{prefix}displacement_step", step, "m")
         check_positive(f"{prefix}breakage_step", loss, "m")
-        if loss >= step:
+        if numerics.breakage == "fixed_step" and loss >= step:
             raise InputError(
                 f"{prefix}breakage_step = {loss!r} m: must be smaller than "
                 f"{prefix}displacement_step = {step!r} m"
@@ -354,6 +364,105 @@ def check_numerics(numerics: Numerics) -> None:
                 f"breakage = 'resolved': not with {name} = {getattr(numerics, name)!r}, which is "
                 f"of the loop of the paper; use {needed!r}"
             )
+
+
+class _Need(NamedTuple):
+    """Condition on effects, choices and numerics, and where a setting has no effect without it."""
+
+    holds: Callable[[Effects, Choices, Numerics], bool]
+    where: str
+
+
+def _takes_steps(effects: Effects, choices: Choices, numerics: Numerics) -> bool:
+    """Return whether a history takes displacement steps, and is not one elastic curve."""
+    return effects.breakage or numerics.solver == "reference"
+
+
+def _base_acts(effects: Effects, choices: Choices, numerics: Numerics) -> bool:
+    """Return whether the base of an asperity acts, as an elastic or a limiting one."""
+    return effects.substrate or (effects.breakage and choices.strength_bound == "base")
+
+
+_STEPS = _Need(_takes_steps, "without breakage, where solver = 'fast' takes no steps")
+_CURVE = _Need(
+    lambda *model: not _takes_steps(*model),
+    "with steps, which breakage and solver = 'reference' take",
+)
+_BREAKAGE = _Need(lambda effects, *_: effects.breakage, "without breakage")
+_INTERACTION = _Need(lambda effects, *_: effects.interaction, "without interaction")
+_SOFT_PEAKS = _Need(lambda effects, *_: effects.soft_peaks, "without soft_peaks")
+_BASE = _Need(_base_acts, "without substrate, and without breakage with strength_bound = 'base'")
+_FIXED = _Need(
+    lambda *model: model[2].breakage == "fixed_step",
+    "on resolved breakage, needs breakage = 'fixed_step'",
+)
+_RESOLVED = _Need(
+    lambda *model: model[2].breakage == "resolved",
+    "on fixed steps of breakage, needs breakage = 'resolved'",
+)
+_FAST = _Need(lambda *model: model[2].solver == "fast", "on solver = 'reference'")
+_REFERENCE = _Need(lambda *model: model[2].solver == "reference", "on solver = 'fast'")
+_NEEDS: dict[str, tuple[_Need, ...]] = {
+    **dict.fromkeys(("displacement_step", "later_displacement_step", "target"), (_STEPS,)),
+    **dict.fromkeys(("breakage_step", "later_breakage_step"), (_BREAKAGE, _FIXED)),
+    "force_tolerance": (_FAST,),
+    "sweep_tolerance": (_REFERENCE,),
+    "curve_points": (_CURVE,),
+    "tolerance": (_BREAKAGE, _RESOLVED),
+    "most_breakage_steps": (_BREAKAGE,),
+    "replay": (_STEPS,),
+    "idle_interaction": (_INTERACTION, _STEPS),
+    "base_radius_in_cells": (_BASE,),
+    "peak_modulus_ratio": (_SOFT_PEAKS,),
+    "peaks": (_SOFT_PEAKS, _BREAKAGE),
+    "crushed_strength_ratio": (_BREAKAGE,),
+    "tie_tolerance": (_BREAKAGE,),
+}
+"""What fields of `Choices` and `Numerics` need to have an effect.
+
+Fields that are left out always have one, or all their values are usual: a strength is bounded in
+the library and unbounded in the paper, and breakage is resolved by `jointclosure.close` and not by
+`jointclosure.simulate`, whatever the effects are.
+"""
+
+
+def without_effect(name: str, effects: Effects, choices: Choices, numerics: Numerics) -> str:
+    """Return where a field of `Choices` or `Numerics` has no effect; "" if it acts."""
+    model = effects, choices, numerics
+    return next((need.where for need in _NEEDS.get(name, ()) if not need.holds(*model)), "")
+
+
+def check_effective(
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    usual: Numerics = Numerics(),
+    varied: bool = False,
+) -> None:
+    """Raise `InputError` for settings that are not allowed, or changed without any effect.
+
+    Usual values are accepted everywhere, so that effects can be left out without other changes:
+    those of `Choices`, `Numerics` and `RESOLVED`, and those that are ``usual`` of a function.
+    ``varied`` is whether effects are left out besides, in simulations that are compared.
+    """
+    check_scene(effects)
+    check_choices(choices)
+    check_numerics(numerics)
+    scenes = [effects]
+    if varied:
+        scenes += [fewer for fewer in well_posed_scenes() if _is_part(fewer, effects)]
+    usual_values = Choices(), Numerics(), RESOLVED, usual
+    for name, value in (choices._asdict() | numerics._asdict()).items():
+        if any(value == getattr(settings, name, None) for settings in usual_values):
+            continue
+        reasons = [without_effect(name, scene, choices, numerics) for scene in scenes]
+        if all(reasons):
+            raise InputError(f"{name} = {value!r}: has no effect {reasons[0]}; leave it out")
+
+
+def _is_part(fewer: Effects, effects: Effects) -> bool:
+    """Return whether all effects of a scene are among those of another one."""
+    return all(not one or other for one, other in zip(fewer, effects, strict=True))
 
 
 def _check_when_made(settings: type[NamedTuple], check: Callable[[Any], None]) -> None:

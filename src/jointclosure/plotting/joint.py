@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.history import GROSS, NET, history_of
-from jointclosure.joint.laws import LAWS, BartonBandis, fit_law
+from jointclosure.joint.laws import LAWS, BartonBandis, fitted_laws, parameter
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import WATER, has_bands, members, stress_table
+from jointclosure.joint.tables import WATER, has_bands, members, stress_table, wider_members
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.ranges import NUMBERS, WIDER
@@ -26,6 +26,8 @@ DECADES = 9  # of transmissivity that are drawn at most
 SAME = 0.01  # difference of two branches over their largest value, below which they are one line
 _SEEN = ["normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"]
 """Columns whose branches are compared."""
+_CHOICES = ", with other choices of the model"
+"""End of the names of wider bands."""
 AS_REGISTERED = "as registered, usual values"
 """Name of the joint itself beside its range, in whose middle it need not be."""
 
@@ -164,7 +166,16 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
-            fill(stress, low, high, color=colour, alpha=0.2, lw=0.0, label=band)
+            wider = wider_members(curves, name)
+            if wider:
+                style = {
+                    "color": colour,
+                    "alpha": 0.07,
+                    "zorder": 0.5,
+                    "label": f"{band}{_CHOICES}",
+                }
+                fill(stress, *(rows[end] for end in wider), **style)
+            fill(stress, low, high, color=colour, alpha=0.25, lw=0.0, label=band)
         at = (rows[name], stress) if across else (stress, rows[name])
         line = {"color": colour, "label": label, "zorder": order, "lw": width}
         axes.plot(*at, BRANCH_LINES[branch], **line)
@@ -228,15 +239,13 @@ def _draw_closure(
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
     middle = "closure_net_since_seating_mm"
     law = LAWS["hyperbolic"]
-    for number, (cycle, rows) in enumerate(loading.dropna(subset=middle).groupby("cycle")):
-        # a loading beyond the former maximum is no hyperbola
-        if not history.former_maxima[int(cycle) - 1]:
-            stresses = rows.normal_stress_MPa.to_numpy()
-            constants, *_ = fit_law(law, stresses, rows[middle].to_numpy(), seating)
-            fitted = law.closure(stress, seating, *constants)
-            label = None if number else "hyperbolas fitted"
-            if np.isfinite(fitted).all():  # not that of a curve that does not bend
-                axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
+    fits = fitted_laws(joint, ["hyperbolic"], [LOADING])
+    for number, cycle in enumerate(loading.dropna(subset=middle).cycle.unique()):
+        constants = (parameter(fits, cycle, LOADING, name) for name in law.parameters)
+        fitted = law.closure(stress, seating, *constants)
+        label = None if number else "hyperbolas fitted"
+        if np.isfinite(fitted).all():  # not beyond a former maximum, or of a curve without bend
+            axes.plot(fitted, stress, ":", color="0.25", lw=1.0, label=label)
         if cycle in laws:
             empirical = 1e3 * laws[cycle].closure(1e6 * (stress - seating))
             style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
@@ -252,7 +261,8 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
     The axis has the limits of what is drawn, and at most `DECADES`.
     """
     name = "transmissivity_m2_per_s"
-    lines = [name, *members(curves, name)[2:]]  # a band may end at 0, and a line may not
+    bands = [*members(curves, name)[2:], *wider_members(curves, name)[1:]]
+    lines = [name, *bands]  # a band may end at 0, and a line may not
     _draw_along(axes, curves.assign(**curves[lines].where(curves[lines] > 0.0)), name)
     axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):

@@ -62,7 +62,8 @@ class Budget(NamedTuple):
     omitted : tuple of str
         Sources taken as exact.
     curves : DataFrame
-        The `stress_table` of the joint, with low and high of each of `CURVES`. Its ``flow_status``
+        The `stress_table` of the joint, with low and high of each of `CURVES`, and `WIDER` ends if
+        there are ``choices``. Its ``flow_status``
         is that of the variant of whose flow least is known.
     choices : tuple of str
         Descriptions of the choices of the model that were changed.

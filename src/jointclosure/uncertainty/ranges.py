@@ -28,7 +28,7 @@ import scipy
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
-from jointclosure.joint.tables import FLOW_STATUSES, ONLY_BOUNDS, with_transmissivity
+from jointclosure.joint.tables import ENDS, FLOW_STATUSES, ONLY_BOUNDS, WIDER, with_transmissivity
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
 from jointclosure.uncertainty.results import (
@@ -49,11 +49,6 @@ them, because the sources do not contain all effects of noise and interpolation 
 touch."""
 WIDENED_LATER = 1.25
 """The same for all other results from the second cycle on, which depend on what broke before."""
-ENDS = ["low", "high"]  # of a range
-WIDER = [
-    "low_with_choices",
-    "high_with_choices",
-]  # of the range with other choices of the model too
 NUMBERS = ["best", *ENDS, *WIDER]
 """Columns of `Budget.ranges` other than shares of sources."""
 
@@ -237,7 +232,12 @@ def bands_of(
     further: np.ndarray,
     limits: Mapping[tuple[int, str], float] = {},
 ) -> pd.DataFrame:
-    """Compute `Budget.curves` from `stress_table` of all variants; arguments as for `ranges_of`."""
+    """Compute `Budget.curves` from `stress_table` of all variants; arguments as for `ranges_of`.
+
+    If any source is a choice of the model, there are also the bands with these (`WIDER`).
+    """
+    with_choices = any(not of.varied and of.kind != SHARED for of in sources.values())
+    ends = [*ENDS, *WIDER] if with_choices else ENDS
     places = ["cycle", "branch", "normal_stress_MPa"]
     rows = []
     shown = [name for name in CURVES if name in curves]
@@ -260,23 +260,25 @@ def bands_of(
             numbers = {}
             if known:
                 numbers = _range_of(values, sources, shares, further, smallest, widened, error)
-            for number in ENDS:
+            for number in ends:
                 row[f"{name}_{number}"] = numbers.get(number, np.nan)
         rows.append(row)
     bands = pd.DataFrame(rows).infer_objects().reset_index(drop=True)
     for name in shown:
         rises = CURVES[name][1]
-        low, high = (f"{name}_{end}" for end in ENDS)
+        columns = [f"{name}_{end}" for end in ends]
         for _, rows in bands.groupby(places[:2]):
-            known = rows[[name, low, high]].dropna()
+            known = rows[[name, *columns]].dropna()
             if known.empty:
                 continue
             stress = rows.normal_stress_MPa[known.index].to_numpy()
             joint = known[name].to_numpy()
-            ends = [monotone_curve(stress, known[end].to_numpy(), rises) for end in (low, high)]
+            smooth = [monotone_curve(stress, known[end].to_numpy(), rises) for end in columns]
             if (np.diff(joint) * (1.0 if rises else -1.0) >= 0.0).all():
-                ends = [np.minimum(ends[0], joint), np.maximum(ends[1], joint)]
-            bands.loc[known.index, [low, high]] = np.transpose(ends)
+                smooth[:2] = np.minimum(smooth[0], joint), np.maximum(smooth[1], joint)
+            if with_choices:  # the wider band contains the other one
+                smooth[2:] = np.minimum(smooth[0], smooth[2]), np.maximum(smooth[1], smooth[3])
+            bands.loc[known.index, columns] = np.transpose(smooth)
     return with_transmissivity(bands)
 
 

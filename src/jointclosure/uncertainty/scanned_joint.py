@@ -30,7 +30,7 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
-from jointclosure.joint.simulation import close_checked
+from jointclosure.joint.simulation import close_checked, near_strength
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import check_choices
@@ -140,6 +140,10 @@ def close(
 ) -> ClosedJoint:
     """Register two scanned walls, and simulate the joint under load cycles with a range of results.
 
+    Breakage is resolved by default, and not in the fixed steps of the paper, which
+    `jointclosure.simulate` has: both give other results for the same walls
+    (docs/reference.md#steps-of-breakage has the size of the difference).
+
     Parameters
     ----------
     upper, lower : path, three paths, Scan, Cloud or "flat"
@@ -224,6 +228,9 @@ def close(
     errors = None if single else pair.errors
     of_noise = _about_noise(pair, errors)
     remark(of_noise)
+    if not stated.unusual_values:
+        slow = near_strength(pair.upper, pair.lower, conditions)
+        remark(slow, slow)
     cost = expected_cost(pair.upper, pair.lower, conditions, single, ranges, errors, workers)
     if cost:
         sentence = cost.sentence(pair.upper.shape, pair.spacing)

@@ -25,7 +25,7 @@ from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import stress_table
-from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
+from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of, without_effect
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.budget import Budget
@@ -171,12 +171,10 @@ def sources_of(
         sources["holes"] = Source((0, 1, 2), "random")
     if effects.breakage:
         sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
-    acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
-    acting["peaks"] = effects.soft_peaks and effects.breakage
     for name, ends in PLAUSIBLE.items():
         values = tuple(ranges.get(name, ends))
         stated = name in ranges
-        if not acting[name]:
+        if without_effect(name, effects, choices, numerics):
             continue
         joint = getattr(choices, name)
         if isinstance(joint, str):
