@@ -3,8 +3,8 @@
 The base case of each rock, as the study closes it: the first --surfaces surfaces in turn by this
 clone and by the --other one, each by the Python of its .venv in one process of its own, so that
 other work on the machine disturbs both alike. Times are the smallest processor time of --repeats.
-The first --joints surfaces of each rock are compared by maximum closures of both cycles: mean paired
-changes with standard errors. --output is a folder.
+The first --joints surfaces of each rock are compared by maximum closures of both cycles: mean
+paired changes with standard errors. --output is a folder.
 Run as `python benchmarks/speed_against.py --other ../earlier`.
 """
 
