@@ -24,14 +24,14 @@ WORK = """
 import json, sys
 sys.path.insert(0, "benchmarks")
 import yardstick
-from jointclosure.joint.cycles import cycle_closures
+from jointclosure.joint.history import history_of
 configuration, cases = yardstick.paper_study()
 case_of = {case.rock: case for case in cases}
 print(json.dumps(list(case_of)), flush=True)
 for line in sys.stdin:
     rock, surface = json.loads(line)
     seconds, joint = yardstick.base_case(configuration, case_of[rock], surface)
-    closures = [float(closure) for closure in cycle_closures(joint)["max_closure"]]
+    closures = [float(closure) for closure in history_of(joint).net.cycle_closures()["max_closure"]]
     counts = [int(joint[name]) for name in ("settled_states", "equilibria", "solver_iterations")]
     print(json.dumps([seconds, int(joint.status), *closures, *counts]), flush=True)
 """

@@ -8,7 +8,6 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import closures_at
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.calibration import (
@@ -51,7 +50,7 @@ def curve_of(history):
     """A history as a laboratory would have measured it, the rock's deformation subtracted."""
     read = history_of(history)
     steps = np.concatenate([branch.steps for branch in read.cycles[0].branches])
-    stress, closure = read.stress[steps], read.net[steps]
+    stress, closure = read.stress[steps], read.net.values[steps]
     return MeasuredCurve(stress, closure + 3e-4, np.ones(steps.size, int), steps)
 
 
@@ -90,7 +89,7 @@ def test_curves_of_the_joints_are_those_of_the_readings(history):
     recovered = loading[:, :, -1] - unloading[:, :, 0]
     np.testing.assert_allclose(recovered, readings[:, :, -1], rtol=1e-12)
     whole = close_walls(*walls(1, WAVELENGTHS[0]), CONDITIONS._replace(cycles=2))
-    np.testing.assert_array_equal(closures[0, 0], closures_at(whole, stresses))
+    np.testing.assert_array_equal(closures[0, 0], history_of(whole).net.at(stresses))
 
 
 def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):

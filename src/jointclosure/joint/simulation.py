@@ -19,9 +19,9 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
-from jointclosure.joint.cycles import cycle_closures, unloading_excess
+from jointclosure.joint.cycles import unloading_excess
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.history import GROSS, history_of
+from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
@@ -95,7 +95,7 @@ def simulate(
         of the overlaps delta_S of contacts over the number of cells), ``equilibrium_residual``,
         with coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
         ``residual_closure`` [m], both also ``_seated``
-        (`jointclosure.joint.cycles.cycle_closures`), ``locked_share`` and
+        (`jointclosure.joint.history.Curve.cycle_closures`), ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
         excess of the stress on unloading over that on loading. The walls at the end,
         ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
@@ -342,9 +342,10 @@ def _history_dataset(
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)
     closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
     reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
-    unloading = [history_of(closed).branch(n, UNLOADING) for n in range(1, len(load) + 1)]
+    of_steps = history_of(closed)
+    unloading = [of_steps.branch(number, UNLOADING) for number in range(1, len(load) + 1)]
     maxima = [settled[branch.steps[0]] if branch.steps.size else None for branch in unloading]
-    along_cycle = cycle_closures(closed, GROSS, reached)
+    along_cycle = of_steps.gross.cycle_closures(reached)
     along_cycle["unloading_excess"] = unloading_excess(closed, reached)
     for field in ("mean_interaction", "locked_share", "flat_share"):
         name = "max_bulk_indentation" if field == "mean_interaction" else field

@@ -6,9 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.curves import closures_at, normal_stiffness, table_levels
-from jointclosure.joint.cycles import cycle_closures
-from jointclosure.joint.history import KINDS, Branch, History, history_of
+from jointclosure.joint.history import Branch, History, history_of
 from jointclosure.joint.status import BRANCHES, LOADING
 
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
@@ -47,13 +45,13 @@ def _columns_of_branch(history: History, branch: Branch) -> dict[str, Any]:
         "branch": branch.name,
         "normal_stress_MPa": 1e-6 * history.stress[steps],
     }
-    for kind, of in KINDS.items():
-        since = history.along(of)[steps] - history.seat(branch.cycle, LOADING, of)
+    for kind, closure in history.closures.items():
+        since = closure.values[steps] - closure.seat(branch.cycle, LOADING)
         columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
-    for kind, of in KINDS.items():
-        columns[f"closure_{kind}_mm"] = 1e3 * history.along(of)[steps]
-    aperture = history.along("mean_aperture")[steps]
-    contact = history.along("contact_fraction")[steps]
+    for kind, closure in history.closures.items():
+        columns[f"closure_{kind}_mm"] = 1e3 * closure.values[steps]
+    aperture = history.joint.mean_aperture.values[steps]
+    contact = history.joint.contact_fraction.values[steps]
     columns["mean_aperture_mm"] = 1e3 * aperture
     columns["void_volume_mm3"] = 1e9 * history.area * aperture
     columns["contact_area_mm2"] = 1e6 * history.area * contact
@@ -74,10 +72,11 @@ def flow_status_at(joint: xr.Dataset, levels: np.ndarray) -> np.ndarray:
     the stress; "" where the stress is not reached.
     """
     rank = np.vectorize(FLOW_STATUSES.index)(flow_statuses(joint)).max(axis=1)
-    ranks = np.zeros((history_of(joint).begun, 2, levels.size), dtype=int)
+    history = history_of(joint)
+    ranks = np.zeros((history.begun, 2, levels.size), dtype=int)
     for least in range(1, len(FLOW_STATUSES)):
-        ranks += closures_at(joint, levels, (rank >= least).astype(float)) > 0.0
-    reached = np.isfinite(closures_at(joint, levels, np.zeros(rank.size)))
+        ranks += history.curve((rank >= least).astype(float)).at(levels) > 0.0
+    reached = np.isfinite(history.curve(np.zeros(rank.size)).at(levels))
     return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
 
 
@@ -103,47 +102,47 @@ def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
     """Tabulate the closures of each cycle, since seating as in laboratory reports."""
     history = history_of(joint)
     columns: dict[str, Any] = {"cycle": np.array([cycle.number for cycle in history.cycles])}
-    for kind, of in KINDS.items():
+    for kind, closure in history.closures.items():
         suffix = "_net" if kind == "net" else ""
-        closures = cycle_closures(joint, of)
+        closures = closure.cycle_closures()
         since = 1e3 * closures["max_closure_seated"]
         residual = 1e3 * closures["residual_closure_seated"]
         columns[f"max_closure_seated{suffix}_mm"] = since
         columns[f"residual_closure_seated{suffix}_mm"] = residual
         columns[f"residual_share{suffix}"] = residual / since
         columns[f"max_closure{suffix}_mm"] = 1e3 * closures["max_closure"]
-    columns["mean_aperture_at_seating_mm"] = 1e3 * history.seats(LOADING, "mean_aperture")
-    states = {"mean_aperture_mm": 1e3 * history.along("mean_aperture")}
+    columns["mean_aperture_at_seating_mm"] = 1e3 * history.curve("mean_aperture").seats
+    states = {"mean_aperture_mm": 1e3 * joint.mean_aperture.values}
     states |= _flow_columns(history)
-    states["contact"] = history.along("contact_fraction")
+    states["contact"] = joint.contact_fraction.values
     for name, values in states.items():
         if "ratio" not in name:
             column = f"{name.removesuffix('_mm')}_at_max{'_mm' if name.endswith('_mm') else ''}"
-            columns[column] = history.at_maxima(values)
+            columns[column] = history.curve(values).at_maxima
     return pd.DataFrame(columns)
 
 
 def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
     """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
 
-    By default the stresses are those of `table_levels`. The hydraulic aperture is 0 where the flow
-    is blocked at the step before or after.
+    By default the stresses are those of `History.table_levels`. The hydraulic aperture is 0 where
+    the flow is blocked at the step before or after.
     """
     history = history_of(joint)
-    levels = table_levels(joint) if levels is None else levels
+    levels = history.table_levels() if levels is None else levels
     columns: dict[str, np.ndarray] = {}
-    for kind, of in KINDS.items():
-        since = closures_at(joint, levels, of) - history.seats(LOADING, of)[:, None, None]
+    for kind, closure in history.closures.items():
+        since = closure.at(levels) - closure.seats[:, None, None]
         columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
-    for kind, of in KINDS.items():
-        stiffness = 1e-9 * normal_stiffness(joint, levels, of)
+    for kind, closure in history.closures.items():
+        stiffness = 1e-9 * closure.normal_stiffness(levels)
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
-    columns["mean_aperture_mm"] = 1e3 * closures_at(joint, levels, "mean_aperture")
+    columns["mean_aperture_mm"] = 1e3 * history.curve("mean_aperture").at(levels)
     if history.has_flow:
         statuses = flow_status_at(joint, levels)
         for name in HYDRAULIC:  # geometric means along x and y
             mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
-            aperture = 1e3 * np.maximum(closures_at(joint, levels, mean), 0.0)
+            aperture = 1e3 * np.maximum(history.curve(mean).at(levels), 0.0)
             if name != "largest_hydraulic":  # between steps, one of which has no flow
                 aperture[statuses == "blocked"] = 0.0
             columns[f"{name}_mm"] = aperture

@@ -15,7 +15,7 @@ from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import RESOLVED, Conditions
-from jointclosure.joint.curves import closures_at
+from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
@@ -243,14 +243,14 @@ def close_surface(
         if once.status >= FAILURE:
             report(f"joint {number}: status {int(once.status)}")
             continue
-        closures[:, place, :once_cycles] = closures_at(once, levels)
+        closures[:, place, :once_cycles] = history_of(once).net.at(levels)
         crushed = once.upper_final.values, once.lower_final.values
         for kind, later in enumerate(laters if once_cycles < cycles else ()):
             conditions = changed(first, strength, later)._replace(cycles=cycles - 1)
             seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
             again = close_walls(*seated, conditions, pristine=pristine)
             if again.status < FAILURE:
-                closures[kind, place, 1:] = closures_at(again, levels)
+                closures[kind, place, 1:] = history_of(again).net.at(levels)
         report(f"joint {number} of {strength:.3g} Pa closed")
     dims = ("later", "strength", "cycle", "branch", "stress")
     return xr.Dataset({"closure": (dims, closures, {"units": "m"})})

@@ -241,7 +241,7 @@ def fit(
     See `jointclosure.measured.calibration`: the likelihood is from the scatter of joints, and
     assumes that the model is right and that rock, roughness and size are known. Closures of the
     model are net of the indentation of the half-spaces
-    (`jointclosure.joint.history.History.along`).
+    (`jointclosure.joint.history.History.net`).
     """
     given = asked_joints(curve, joint, "fit", WAVELENGTHS, first_loading)
     measured = given.measured

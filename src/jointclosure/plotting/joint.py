@@ -108,21 +108,21 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
     Closure counts ``since`` first "touch", "seating", or the start of the "cycle".
     """
     history = history_of(closed)
-    values = history.along(of)
+    curve = history.curve(of)
     seating = history.seating_stress
     for cycle in history.cycles:
         zero = 0.0
         if since == "seating":
-            zero = history.seat(cycle.number, LOADING, of)
+            zero = curve.seat(cycle.number, LOADING)
         elif since == "cycle":
-            zero = values[cycle.loading.steps[0]]
+            zero = curve.values[cycle.loading.steps[0]]
         for branch in cycle.branches:
-            closure = values[branch.steps]
+            closure = curve.values[branch.steps]
             stress = history.stress[branch.steps]
             if since == "seating":  # from its point at the seating stress
                 over = stress > seating
                 end = 0 if branch.name == LOADING else int(over.sum())
-                seat = history.seat(cycle.number, branch.name, of)
+                seat = curve.seat(cycle.number, branch.name)
                 closure = np.insert(closure[over], end, seat)
                 stress = np.insert(stress[over], end, seating)
             axes.plot(

@@ -20,8 +20,7 @@ from jointclosure.joint.conditions import (
     conditions_from,
     takes_scans,
 )
-from jointclosure.joint.curves import table_levels
-from jointclosure.joint.history import with_snapshots
+from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import (
     LAB_LENGTH,
     JointLaws,
@@ -72,7 +71,7 @@ class ClosedJoint(NamedTuple):
         """
         if self.budget is not None:
             return self.budget.curves
-        return stress_table(self.history, table_levels(self.history, self.at))
+        return stress_table(self.history, history_of(self.history).table_levels(self.at))
 
     def __repr__(self) -> str:
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])

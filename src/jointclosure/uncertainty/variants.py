@@ -19,7 +19,7 @@ import xarray as xr
 from jointclosure.execution.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import close_walls
@@ -276,7 +276,7 @@ def uncertainty_budget(
     sources = sources_of(conditions, upper.shape, ranges, errors)
     variants = [Variant("", "", conditions), *variants_of(conditions, sources)]
     closed = close_walls(upper, lower, conditions) if closed is None else closed
-    levels = table_levels(closed, at)
+    levels = history_of(closed).table_levels(at)
     known = stress_table(closed, levels)
 
     def tables_of(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
