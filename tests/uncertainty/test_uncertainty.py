@@ -32,6 +32,7 @@ from jointclosure.uncertainty.variants import (
     random_shares,
     sources_of,
     threads_for,
+    uncertain_joint,
     uncertainty_budget,
     variants_of,
 )
@@ -49,7 +50,9 @@ MODULI = {"youngs_modulus": (50e9, 90e9)}
 
 @pytest.fixture(scope="module")
 def budget():
-    return uncertainty_budget(*pair((20, 24)), CONDITIONS, MODULI, workers=1)
+    return uncertainty_budget(
+        uncertain_joint(*pair((20, 24)), CONDITIONS.checked(), MODULI), workers=1
+    )
 
 
 def test_total_indices_are_those_of_a_product():
@@ -405,7 +408,8 @@ def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
 
 
 def test_a_budget_is_the_same_by_any_number_of_workers(budget, small_joint):
-    again = uncertainty_budget(*small_joint, CONDITIONS, MODULI, workers=2)
+    joint = uncertain_joint(*small_joint, CONDITIONS.checked(), MODULI)
+    again = uncertainty_budget(joint, workers=2)
     pd.testing.assert_frame_equal(budget.results, again.results, check_exact=True)
     pd.testing.assert_frame_equal(budget.curves, again.curves, check_exact=True)
 
@@ -435,7 +439,8 @@ def test_a_budget_prints_its_ranges_with_its_sentences(budget):
 def test_a_joint_that_fails_has_unknown_results(small_joint):
     load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
     walls = [wall[:8, :8] for wall in small_joint]
-    budget = uncertainty_budget(*walls, CONDITIONS._replace(**load))
+    conditions = CONDITIONS._replace(**load).checked()
+    budget = uncertainty_budget(uncertain_joint(*walls, conditions))
     best = budget.results[budget.results.source == ""]
     assert (best.status >= FAILURE).all()
     assert best[CLOSURE].isna().all()
@@ -519,12 +524,12 @@ def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
     none = np.zeros(small_joint[0].shape, bool)
     covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
     errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
-    sources = sources_of(CONDITIONS, none.shape, {}, errors)
-    variants = list(variants_of(CONDITIONS, sources))
-    assert len(variants) == 30
-    walls = [v.walls(*small_joint, errors)[0] for v in variants if v.source == ALL and v.step == 1]
+    joint = uncertain_joint(*small_joint, CONDITIONS.checked(), {}, errors)
+    assert len(joint.variants) == 30
+    drawn = [v for v in joint.variants if v.source == ALL and v.step == 1]
+    walls = [v.walls(*small_joint, errors)[0] for v in drawn]
     assert len({wall.tobytes() for wall in walls}) == len(walls)
-    budget = uncertainty_budget(*small_joint, CONDITIONS, errors=errors)
+    budget = uncertainty_budget(joint)
     assert "registration" not in budget.omitted
     assert (budget.ranges.loc[(1, CLOSURE), ["registration", "noise", ORDER]] >= 0.0).all()
 

@@ -14,8 +14,8 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws
-from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import ONLY_BOUNDS, curve_table, cycle_table, members
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS
+from jointclosure.joint.tables import curve_table, cycle_table, members
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.joint.interpolation import crossing, cubic_over, rising_slopes
-from jointclosure.joint.status import LOADING, UNLOADING
+from jointclosure.joint.status import FLOW_STATUSES, LOADING, UNLOADING
 
 NET = "closure_net"
 """Net closure, as laboratories report it: without the displacement of the half-spaces under the
@@ -184,6 +184,25 @@ class History:
     def area(self) -> float:
         """Nominal area [m2]."""
         return self.spacing**2 * self.joint.sizes["y"] * self.joint.sizes["x"]
+
+    @cached_property
+    def flow_statuses(self) -> np.ndarray:
+        """Status of the flow in words (steps, directions), for a joint that `has_flow`."""
+        words = np.array(self.joint.flow_status.attrs["flag_meanings"].split(), dtype=object)
+        return words[self.joint.flow_status.values.astype(int)]
+
+    def flow_status_at(self, levels: np.ndarray) -> np.ndarray:
+        """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
+
+        It is the one by which least is known, along both directions and at the steps on both sides
+        of the stress; "" where the stress is not reached.
+        """
+        rank = np.vectorize(FLOW_STATUSES.index)(self.flow_statuses).max(axis=1)
+        ranks = np.zeros((self.begun, 2, levels.size), dtype=int)
+        for least in range(1, len(FLOW_STATUSES)):
+            ranks += self.curve((rank >= least).astype(float)).at(levels) > 0.0
+        reached = np.isfinite(self.curve(np.zeros(rank.size)).at(levels))
+        return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
 
     def branch(self, cycle: int, name: str) -> Branch:
         """Return a branch of a cycle by its number and name; without steps if it was not begun."""

@@ -19,10 +19,6 @@ TRANSMISSIVITIES = {
     "largest_hydraulic_mm": "largest_transmissivity_m2_per_s",
 }
 """Columns of the transmissivity of water, and of its bounds, by those of apertures."""
-FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
-"""Words of the status of a flow, from the one by which most is known."""
-ONLY_BOUNDS = FLOW_STATUSES[2:]
-"""Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
 
 def curve_table(joint: xr.Dataset) -> pd.DataFrame:
@@ -59,27 +55,6 @@ def _columns_of_branch(history: History, branch: Branch) -> dict[str, Any]:
     return columns
 
 
-def flow_statuses(joint: xr.Dataset) -> np.ndarray:
-    """Return the status of the flow in words (steps, directions)."""
-    words = np.array(joint.flow_status.attrs["flag_meanings"].split(), dtype=object)
-    return words[joint.flow_status.values.astype(int)]
-
-
-def flow_status_at(joint: xr.Dataset, levels: np.ndarray) -> np.ndarray:
-    """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
-
-    It is the one by which least is known, along both directions and at the steps on both sides of
-    the stress; "" where the stress is not reached.
-    """
-    rank = np.vectorize(FLOW_STATUSES.index)(flow_statuses(joint)).max(axis=1)
-    history = history_of(joint)
-    ranks = np.zeros((history.begun, 2, levels.size), dtype=int)
-    for least in range(1, len(FLOW_STATUSES)):
-        ranks += history.curve((rank >= least).astype(float)).at(levels) > 0.0
-    reached = np.isfinite(history.curve(np.zeros(rank.size)).at(levels))
-    return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
-
-
 def _flow_columns(history: History) -> dict[str, np.ndarray]:
     """Return hydraulic apertures (steps,), their bounds, status, and ratio to the mean aperture."""
     columns: dict[str, np.ndarray] = {}
@@ -87,7 +62,7 @@ def _flow_columns(history: History) -> dict[str, np.ndarray]:
         return columns
     joint = history.joint
     mean = joint.mean_aperture.values
-    statuses = flow_statuses(joint)
+    statuses = history.flow_statuses
     for place, direction in enumerate(joint.direction.values):
         for name in HYDRAULIC:
             columns[f"{name}_{direction}_mm"] = 1e3 * joint[name].sel(direction=direction).values
@@ -139,7 +114,7 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
     columns["mean_aperture_mm"] = 1e3 * history.curve("mean_aperture").at(levels)
     if history.has_flow:
-        statuses = flow_status_at(joint, levels)
+        statuses = history.flow_status_at(levels)
         for name in HYDRAULIC:  # geometric means along x and y
             mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
             aperture = 1e3 * np.maximum(history.curve(mean).at(levels), 0.0)

@@ -36,7 +36,11 @@ from jointclosure.parameters import check_choices
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
-from jointclosure.uncertainty.variants import uncertainty_budget
+from jointclosure.uncertainty.variants import (
+    UncertainJoint,
+    uncertain_joint,
+    uncertainty_budget,
+)
 from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
@@ -216,14 +220,17 @@ def close(
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
     remark = _Remarks(printed=progress)
     remark(pair.report, () if stated.unusual_values else pair.warnings)
+    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+    uncertain = (
+        UncertainJoint(pair.upper, pair.lower, conditions)
+        if single
+        else uncertain_joint(pair.upper, pair.lower, conditions, ranges, pair.errors)
+    )
     if progress:
         print(_description(pair, conditions, name))
-    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-
-    errors = None if single else pair.errors
-    of_noise = _about_noise(pair, errors)
+    of_noise = _about_noise(pair, uncertain.errors)
     remark(of_noise)
-    cost = expected_cost(pair.upper, pair.lower, conditions, single, ranges, errors, workers)
+    cost = expected_cost(uncertain, workers)
     if cost:
         sentence = cost.sentence(pair.upper.shape, pair.spacing)
         remark([sentence], [sentence])
@@ -238,9 +245,7 @@ def close(
 
     try:
         with bar("range") if progress else nullcontext(_no_bar) as show:
-            budget = uncertainty_budget(
-                pair.upper, pair.lower, conditions, ranges, history, show, errors, workers, at
-            )
+            budget = uncertainty_budget(uncertain, history, show, workers, at)
     except KeyboardInterrupt:
         if not progress:
             raise
