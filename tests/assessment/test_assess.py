@@ -106,8 +106,8 @@ def test_an_assessment_goes_on_where_it_was_interrupted(assessed, tmp_path, monk
     kept = file.read_text()
     (tmp_path / "closures.jsonl").write_text(kept[: int(0.6 * len(kept))])  # killed in a line
     closed = []
-    close = module.close_joint
-    monkeypatch.setattr(module, "close_joint", lambda *task: closed.append(task) or close(*task))
+    close = module.simulate_row
+    monkeypatch.setattr(module, "simulate_row", lambda *task: closed.append(task) or close(*task))
     again = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
     assert 0 < len(closed) < len(kept.splitlines())
     values = [part.closures[list(ASSESSED)].to_numpy() for part in (first, again)]

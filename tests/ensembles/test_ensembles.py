@@ -111,7 +111,7 @@ def after_a_kill(tmp_path_factory):
     killing = functools.partial(kill_worker_once, marker=marker)
     again = pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]")
     with pytest.MonkeyPatch.context() as patch, again as warned:
-        patch.setattr(joints, "close_joint", killing)
+        patch.setattr(joints, "simulate_row", killing)
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1
     assert marker.exists()

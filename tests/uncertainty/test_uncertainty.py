@@ -7,7 +7,7 @@ import scipy
 
 import jointclosure as jc
 from jointclosure.joint.interpolation import monotone_curve
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table
 from jointclosure.plotting.joint import range_figure
@@ -487,7 +487,7 @@ def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint
         ),
     }
     for variant, conditions in alone.items():
-        closed = close_walls(*small_joint, conditions.checked())
+        closed = simulate_walls(*small_joint, conditions.checked())
         assert results[variant] == cycle_table(closed)[CLOSURE].iloc[0]
     assert budget.omitted == ("registration", "poisson_ratio", "compressive_strength")
     low, high = budget.ranges.loc[(1, CLOSURE), ["low", "high"]]

@@ -1,4 +1,4 @@
-"""Close one joint: the public functions `simulate` and `equilibrium`."""
+"""Simulate one joint: the public functions `simulate` and `equilibrium`."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -126,10 +126,10 @@ def simulate(
     walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
-    return close_checked(*walls, conditions.checked(snapshots), report, snapshots, pristine)
+    return simulate_checked(*walls, conditions.checked(snapshots), report, snapshots, pristine)
 
 
-def close_walls(
+def simulate_walls(
     upper: ArrayLike,
     lower: ArrayLike,
     conditions: Conditions,
@@ -138,13 +138,13 @@ def close_walls(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`, and accept unusual values."""
+    """Simulate two walls (y, x) [m] as `simulate`, and accept unusual values."""
     walls = checked_walls(upper, lower, conditions.grid_spacing)
     checked = conditions._replace(unusual_values=True).checked(snapshots)
-    return close_checked(*walls, checked, report, snapshots, pristine, solver_of)
+    return simulate_checked(*walls, checked, report, snapshots, pristine, solver_of)
 
 
-def close_checked(
+def simulate_checked(
     upper: np.ndarray,
     lower: np.ndarray,
     conditions: Conditions,
@@ -153,7 +153,7 @@ def close_checked(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`; walls and conditions were checked before.
+    """Simulate two walls (y, x) [m] as `simulate`; walls and conditions were checked before.
 
     ``conditions`` are as `Conditions.checked` returns them, for these ``snapshots``. Here only is
     checked what takes both: the heights against the steps, and the number of steps.

@@ -7,7 +7,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import Effects, Numerics
 from jointclosure.uncertainty.variants import UncertainJoint, threads_for
 
@@ -132,7 +132,7 @@ def _time_of_window(
     corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
     window = tuple(slice(corner, corner + size) for corner in corners)
     start = time.process_time()
-    close_walls(upper[window], lower[window], conditions)
+    simulate_walls(upper[window], lower[window], conditions)
     return time.process_time() - start, upper[window].size
 
 

@@ -29,7 +29,7 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
-from jointclosure.joint.simulation import close_checked
+from jointclosure.joint.simulation import simulate_checked
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import check_choices
@@ -291,9 +291,9 @@ def _simulated(
     The force is that at the largest stress, of which a snapshot is taken and given up again.
     """
     if not pair.holes.any():
-        return close_checked(pair.upper, pair.lower, conditions, report, snapshots), []
+        return simulate_checked(pair.upper, pair.lower, conditions, report, snapshots), []
     with_largest = (*snapshots, float(conditions.largest_stress))
-    history = close_checked(pair.upper, pair.lower, conditions, report, with_largest)
+    history = simulate_checked(pair.upper, pair.lower, conditions, report, with_largest)
     return with_snapshots(history, snapshots), _force_in_holes(pair, history)
 
 

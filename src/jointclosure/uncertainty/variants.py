@@ -22,7 +22,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of
@@ -147,7 +147,7 @@ class UncertainJoint(NamedTuple):
         """Simulate a variant; None if it is refused, such as for more steps than allowed."""
         with suppress(InputError):
             walls = variant.walls(self.upper, self.lower, self.errors)
-            return close_walls(*walls, variant.conditions, report)
+            return simulate_walls(*walls, variant.conditions, report)
         return None
 
 
@@ -313,7 +313,9 @@ def uncertainty_budget(
     """
     sources = joint.sources
     variants = [Variant("", "", joint.conditions), *joint.variants]
-    closed = close_walls(joint.upper, joint.lower, joint.conditions) if closed is None else closed
+    closed = (
+        simulate_walls(joint.upper, joint.lower, joint.conditions) if closed is None else closed
+    )
     levels = history_of(closed).table_levels(at)
     known = stress_table(closed, levels)
 
