@@ -132,7 +132,7 @@ mismatch: $(STAMP) ## Simulate mated, partly mated, independent and shifted wall
 size: $(STAMP) ## Study the effects of patch length and grid spacing (95 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/size/size.yaml}" -- size
 
-misalignment: $(STAMP) ## Simulate walls that are tilted, or rotated about the normal (11 minutes of processor time)
+misalignment: $(STAMP) ## Simulate walls that are tilted, or rotated about the normal (34 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/misalignment/misalignment.yaml}" -- misalignment
 
 measured-joints: $(STAMP) ## Compare three measured joints with simulated ones, for several choices of the model (25 minutes of processor time)

@@ -4,7 +4,7 @@ Joints of four rocks, made from a JRC, two load cycles: `JOINTS` for each rock, 
 and of walls that are mated beyond 3 mm; and pairs of scans, files ``*_upper.*`` and ``*_lower.*``
 of the folders --scans (granite, 10 MPa). The stored run has README's pair and, of two published
 scans, a foliation joint on itself turned by 180 degrees and mirrored (63 x 63 cells), and the
-middle (64 x 64) of a fracture. Strength is bounded, as that of scanned joints is.
+middle (64 x 64) of a fracture, as `scan_pairs.py` writes them. Strength is bounded, as that of scanned joints is.
 
 Each joint is closed by the paper's steps and by resolved breakage at several --tolerances, and once
 at the --finest tolerance, from which errors are taken: its errors are in them. Times are processor

@@ -3,7 +3,7 @@
 The base case of each rock, as the study closes it: the first --surfaces surfaces in turn by this
 clone and by the --other one, each by the Python of its .venv in one process of its own, so that
 other work on the machine disturbs both alike. Times are the smallest processor time of --repeats.
-The first --joints surfaces of each rock are compared by net closures of both cycles: mean paired
+The first --joints surfaces of each rock are compared by maximum closures of both cycles: mean paired
 changes with standard errors. --output is a folder.
 Run as `python benchmarks/speed_against.py --other ../earlier`.
 """
@@ -24,14 +24,13 @@ WORK = """
 import json, sys
 sys.path.insert(0, "benchmarks")
 import yardstick
-from jointclosure.joint.history import history_of
 configuration, cases = yardstick.paper_study()
 case_of = {case.rock: case for case in cases}
 print(json.dumps(list(case_of)), flush=True)
 for line in sys.stdin:
     rock, surface = json.loads(line)
     seconds, joint = yardstick.base_case(configuration, case_of[rock], surface)
-    closures = [float(closure) for closure in history_of(joint).net.cycle_closures()["max_closure"]]
+    closures = [float(closure) for closure in joint["max_closure"]]
     counts = [int(joint[name]) for name in ("settled_states", "equilibria", "solver_iterations")]
     print(json.dumps([seconds, int(joint.status), *closures, *counts]), flush=True)
 """

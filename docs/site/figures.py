@@ -162,11 +162,14 @@ def price_of_accuracy() -> Figure:
     errors begin at 0.1 %: of a smaller mean only the bar is seen.
     """
     tables = {"": stored("price_of_accuracy/price"), "older": stored("price_before/price")}
+    times = [
+        time for table in tables.values() for time in _known(table).seconds / _known(table).joints
+    ]
     figure, panels = plt.subplots(4, 1, figsize=(6.2, 11.5), sharex=True, layout="constrained")
     responses = ("closure 1", "closure 2", "stiffness 1", "stiffness 2")
     for axes, response in zip(panels, responses, strict=True):
         for solver, table in tables.items():
-            known = table[table[f"{response} rms %"] > 0.0]  # the reference has no error
+            known = _known(table)
             seconds = known.seconds / known.joints
             for time in seconds:
                 axes.axvline(time, color="0.85", ls=":" if solver else "-", lw=1.0, zorder=0)
@@ -182,7 +185,7 @@ def price_of_accuracy() -> Figure:
             axes.plot(
                 seconds, single, color="C1", marker="s", label=f"single joint{suffix}", **look
             )
-        axes.set(xscale="log", yscale="log", xlim=(0.25, 14.0))
+        axes.set(xscale="log", yscale="log", xlim=(0.8 * min(times), 1.25 * max(times)))
         axes.set_ylim(0.1, 50.0)
         axes.set_ylabel(f"net {response[:-2]}, cycle {response[-1]}\nsize of the error (%)")
         for axis in (axes.xaxis, axes.yaxis):
@@ -196,10 +199,15 @@ def price_of_accuracy() -> Figure:
     return figure
 
 
+def _known(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the settings of a table whose errors are known: all but the reference."""
+    return table[table["closure 1 rms %"] > 0.0]
+
+
 def _setting_names(axes: Axes, tables: dict[str, pd.DataFrame]) -> None:
     """Write the names of the settings above axes of their times."""
     for solver, table in tables.items():
-        for row in table[table["closure 1 rms %"] > 0.0].itertuples():
+        for row in _known(table).itertuples():
             name = f"{row.setting} {solver and '(older)'}".strip()
             axes.annotate(
                 name, (row.seconds / row.joints, 1.02), xycoords=("data", "axes fraction"),

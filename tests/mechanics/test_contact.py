@@ -1,5 +1,7 @@
 """One Hertz contact: its force and slope by the overlap, to the last digits."""
 
+import math
+
 import hypothesis.strategies as st
 import mpmath
 import numpy as np
@@ -84,6 +86,20 @@ def test_moduli_of_equal_walls_halve():
 @given(st.floats(1e-200, 1e200), st.integers(-100, 100))
 def test_cube_roots_scale_exactly_by_powers_of_eight(x, power):
     assert cube_root(x * 8.0**power) == cube_root(x) * 2.0**power
+
+
+@pytest.mark.parametrize("x", [0.0, math.inf])
+def test_the_cube_root_of_a_number_without_a_mantissa_is_this_number(x):
+    assert cube_root(x) == x
+
+
+@pytest.mark.parametrize("x", [5e-324, 3.7e-320, 2.2250738585072009e-308])
+def test_cube_roots_of_subnormal_numbers_keep_15_digits(x):
+    assert cube_root(x) == pytest.approx(float(mpmath.cbrt(x)), rel=1e-15, abs=0.0)
+
+
+def test_the_cube_root_of_no_number_is_none():
+    assert math.isnan(cube_root(math.nan))
 
 
 @given(st.floats(1e-200, 1e200))

@@ -15,7 +15,12 @@ from jointclosure.solvers import pair_batch as pb
 from jointclosure.solvers.breakage import (
     breakage_kernel,
     find_peaks,
+    let_due_wait,
+    new_turns,
+    no_cells_due,
+    padded,
     padded_cells,
+    set_due,
     strength_limits,
     work_space,
 )
@@ -53,6 +58,34 @@ def test_resolved_breakage_does_not_depend_on_the_direction_of_a_loop(seed):
         other, _ = settled(copy)
         np.testing.assert_allclose(other.upper, changed(one.upper), rtol=0.0, atol=5e-15)
         np.testing.assert_allclose(other.lower, changed(one.lower), rtol=0.0, atol=5e-15)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cells_wait_at_the_moment_they_were_last_due_at(seed):
+    """Against a dictionary, in its order; so often that old entries have to be removed."""
+    grid = padded(np.ones((20, 20)), 0.0)
+    cells = np.flatnonzero(grid)
+    short_steps = 4
+    rng = np.random.default_rng(seed)
+    due = no_cells_due(grid.size, short_steps)
+    expected: dict[int, int] = {}
+    waited = 0
+    for moment in range(1, short_steps):
+        for cell in rng.choice(cells, 6000).tolist():
+            following = int(rng.integers(moment, short_steps + 1))
+            set_due(due, cell, following)
+            if following != expected.get(cell):
+                expected.pop(cell, None)  # so that it becomes the last one
+                if following < short_steps:
+                    expected[cell] = following
+        turns = new_turns(20, 20, 1)
+        let_due_wait(due, moment, turns)
+        now = [cell for cell in reversed(expected) if expected[cell] == moment]
+        assert turns.lists[0, : turns.counts[0]].tolist() == now
+        assert all(turns.waits[now] == 1)
+        expected = {cell: at for cell, at in expected.items() if at != moment}
+        waited += len(now)
+    assert waited > 0
 
 
 STEP = 150e-6

@@ -21,6 +21,11 @@ _ROOT_OF_2 = 1.2599210498948732
 """Cube root of 2."""
 _ROOT_OF_4 = 1.5874010519681996
 """Cube root of 4."""
+_LEAST_NORMAL = 2.0**-1022
+"""Smallest number with a full mantissa; smaller ones are scaled by `_UP`, and their root back."""
+_UP = 2.0**54
+_DOWN = 2.0**-18
+"""Inverse of the cube root of `_UP`."""
 
 
 @kernel
@@ -32,21 +37,23 @@ def cube_root(x):
     library (s_cbrt.c, version 2.36). The result is correct to one unit in the last place. Because
     they are written out, it has the same bits with every library, and there is no call.
     """
-    bits = np.float64(x).view(np.int64)
-    if not 0 < bits >> 52 < 2047:  # zero, subnormal, infinite or NaN
-        return np.cbrt(x)
-    exponent = (bits >> 52) - 1022
+    # without a branch or a call, so that loops over many numbers are vector code
+    small = x < _LEAST_NORMAL
+    bits = np.float64(x * _UP if small else x).view(np.int64)
+    exponent = ((bits >> 52) & 2047) - 1022
     m = np.int64((bits & _MANTISSA) | (1022 << 52)).view(np.float64)
     u = 1.508191937815849 - (2.114994941673713 - (2.4469312256353444 - (
         1.8346927748361308 - (0.7849323449766392 - 0.14526389938548637 * m) * m
     ) * m) * m) * m  # fmt: skip
     u = 0.35489576504391984 + u * m
     cube = u * u * u
-    third = (exponent + 1074) // 3 - 358
+    third = (((exponent + 1074) * 21846) >> 16) - 358  # a third, rounded down
     part = exponent - 3 * third
     factor = 1.0 if part == 0 else (_ROOT_OF_2 if part == 1 else _ROOT_OF_4)
     root = u * (cube + 2.0 * m) / (2.0 * cube + m) * factor
-    return root * np.int64((third + 1023) << 52).view(np.float64)
+    root *= np.int64((third + 1023) << 52).view(np.float64)
+    root = root * _DOWN if small else root
+    return root if 0.0 < x < math.inf else x
 
 
 @kernel

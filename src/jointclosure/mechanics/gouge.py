@@ -41,6 +41,15 @@ def fall(here, there, tie_tolerance):
 
 
 @kernel
+def is_above_any(height, neighbours, tie_tolerance):
+    """Return whether one of the neighbours (8,) [m] is lower, so that it can receive gouge."""
+    deepest = 0.0
+    for k in range(8):
+        deepest = max(deepest, fall(height, neighbours[k], tie_tolerance))
+    return deepest > 0.0
+
+
+@kernel
 def drops(height, neighbours, tie_tolerance, out):
     """Set ``out`` (8,) to the drops to lower neighbours [m], 0 for others; return sum and smallest.
 

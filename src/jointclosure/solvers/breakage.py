@@ -30,10 +30,10 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel
-from jointclosure.mechanics.contact import force_of_overlap
-from jointclosure.mechanics.gouge import drops
+from jointclosure.mechanics.gouge import is_above_any
 from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import is_peak, neighbourhood
+from jointclosure.solvers.contacts import Contacts, contact_roots
 from jointclosure.solvers.pair_batch import (
     BATCH,
     CENTRE,
@@ -45,11 +45,14 @@ from jointclosure.solvers.pair_batch import (
     copy_pair,
     fixed_losses,
     gather,
+    keep_assessment,
     measure_drops,
     returning_losses,
     scatter,
     share_losses,
     shed_losses,
+    unsigned,
+    whole_vectors,
 )
 from jointclosure.solvers.products import assign
 
@@ -78,17 +81,15 @@ class Cells(NamedTuple):
 
 
 class Due(NamedTuple):
-    """Cells to examine at the end of each short step, as one linked list for each of these moments.
+    """Cells to examine at the end of each short step, as one list for each of these moments.
 
-    ``moment`` (cells,) is the moment at which each cell is due, 0 for none. ``first`` (moments,) is
-    the first cell of each list, -1 for none. ``after`` and ``before`` (cells,) are the neighbours
-    of each cell in its list.
+    A cell that becomes due at another moment stays in its former list, as finding it there would
+    take long: of its entries only the latest counts, and only if the cell is due at that moment.
     """
 
-    moment: np.ndarray
-    first: np.ndarray
-    after: np.ndarray
-    before: np.ndarray
+    moment: np.ndarray  # number of the short step at which each cell is due, 0 for none
+    lists: np.ndarray  # cells (moments, most entries)
+    counts: np.ndarray  # number of entries of each list
 
 
 class Turns(NamedTuple):
@@ -147,28 +148,38 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
     """
     nx = upper.shape[1]
     around = np.empty(8)
-    falls = np.empty(8)
-    limit = np.full(cells.size, np.inf)
+    breaks = np.empty(cells.size, np.bool_)
+    critical = np.empty(cells.size)
+    filling = np.empty(cells.size)
+    substrate_strength = np.empty(cells.size)
     for i in range(cells.size):
         y, x = divmod(cells[i], nx)
+        kind = peaks[y, x]
+        critical[i] = law.critical_indentation[kind]
+        filling[i] = law.filling[kind]
+        substrate_strength[i] = law.substrate * law.breaking_force[kind]
         free = not gouge
         if gouge:
             neighbourhood(upper, y, x, around)
-            free = drops(upper[y, x], around, tie, falls)[0] > 0.0
-            neighbourhood(lower, y, x, around)
-            free = free or drops(lower[y, x], around, tie, falls)[0] > 0.0
-        kind = peaks[y, x]
-        if free and (curvature[i] > 0.0 or law.filling[kind] > 0.0):
-            kappa, indentation = bounded_strength(
-                curvature[i], law.critical_indentation[kind], law.filling[kind]
-            )
-            square = kappa * kappa
-            strength = indentation / kappa
-            if law.substrate > 0.0:  # 0 times an infinite force would be NaN
-                strength += law.substrate * law.breaking_force[kind] / square
-            limit[i] = force_of_overlap(
-                (1.0 + 0.5 * band) * strength, law.substrate, compliance[i]
-            )[0]
+            free = is_above_any(upper[y, x], around, tie)
+            if not free:
+                neighbourhood(lower, y, x, around)
+                free = is_above_any(lower[y, x], around, tie)
+        breaks[i] = free and (curvature[i] > 0.0 or filling[i] > 0.0)
+    # apart from the copying, so that it is vector code
+    overlap = np.empty(cells.size)
+    for i in range(cells.size):
+        kappa, indentation = bounded_strength(curvature[i], critical[i], filling[i])
+        square = kappa * kappa
+        strength = indentation / kappa
+        if law.substrate > 0.0:  # 0 times an infinite force would be NaN
+            strength += substrate_strength[i] / square
+        overlap[i] = (1.0 + 0.5 * band) * strength if breaks[i] else 0.0
+    contacts = Contacts(cells, overlap, compliance, overlap, law.substrate)
+    root = contact_roots(contacts, overlap, np.zeros(cells.size))
+    limit = root * root * root
+    for i in range(cells.size):
+        limit[i] = limit[i] if breaks[i] else np.inf
     return limit
 
 
@@ -232,7 +243,16 @@ def forget(holds_to, cell, reach, stride):
     """Set ``holds_to`` of the pairs within ``reach`` cells of a changed cell to unknown."""
     for row in range(-reach, reach + 1):
         for near in range(cell + row * stride - reach, cell + row * stride + reach + 1):
-            holds_to[near] = -math.inf
+            holds_to[unsigned(near)] = -math.inf
+
+
+@kernel
+def number_of_changes(one, other):
+    """Return how many values of two arrays (n,) differ."""
+    count = 0
+    for i in range(one.size):
+        count += one[i] != other[i]
+    return count
 
 
 @kernel
@@ -247,7 +267,16 @@ def take_over(space, upper, lower, offset, interaction, peaks):
     ny, nx = upper.shape
     for y in range(ny):
         start = (y + _MARGIN) * cells.stride + _MARGIN
+        approach = cells.approach[start : start + nx]
+        acting = interaction[y]
         for x in range(nx):
+            approach[x] = offset - acting[x]
+        cells.locked[start : start + nx] = False
+        waits[start : start + nx] = 0
+        changed = number_of_changes(upper[y], cells.upper[start : start + nx])
+        changed += number_of_changes(lower[y], cells.lower[start : start + nx])
+        changed += number_of_changes(peaks[y], cells.kind[start : start + nx])
+        for x in range(nx if changed else 0):
             cell = start + x
             same = upper[y, x] == cells.upper[cell] and lower[y, x] == cells.lower[cell]
             if not same or peaks[y, x] != cells.kind[cell]:
@@ -255,9 +284,6 @@ def take_over(space, upper, lower, offset, interaction, peaks):
                 cells.lower[cell] = lower[y, x]
                 cells.kind[cell] = peaks[y, x]
                 forget(holds_to, cell, 1, cells.stride)
-            cells.approach[cell] = offset - interaction[y, x]
-            cells.locked[cell] = False
-            waits[cell] = 0
     space.turns.counts[:] = 0
 
 
@@ -294,15 +320,21 @@ def let_overlapping_wait(cells, turns, holds_to):
 
 
 @kernel
+def starts_to_wait(cells, turns, near):
+    """Return 1 for a cell that overlaps and does not wait yet, else 0."""
+    overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
+    # without a branch, because it would be unpredictable
+    return (1 - turns.waits[near]) & (overlap > 0.0)
+
+
+@kernel
 def let_neighbours_wait(cells, turns, cell, beside):
     """Make the cells ``beside`` a cell wait if they overlap and do not wait yet."""
     for offset in beside:
-        near = cell + offset
-        colour = turns.colour[near]
-        overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
-        # without a branch, because it would be unpredictable
-        new = (1 - turns.waits[near]) & (overlap > 0.0)
-        turns.lists[colour, turns.counts[colour]] = near
+        near = unsigned(cell + offset)
+        colour = unsigned(turns.colour[near])
+        new = starts_to_wait(cells, turns, near)
+        turns.lists[colour, unsigned(turns.counts[colour])] = near
         turns.counts[colour] += new
         turns.waits[near] |= new
 
@@ -312,52 +344,62 @@ def no_cells_due(cells, short_steps):
     """Return `Due` without cells, for a number of cells and of short steps."""
     return Due(
         np.zeros(cells, np.int64),
-        np.full(short_steps, -1),
-        np.empty(cells, np.int64),
-        np.empty(cells, np.int64),
+        np.empty((short_steps, 2 * cells), np.int64),
+        np.zeros(short_steps, np.int64),
     )
+
+
+@kernel
+def remove_old_entries(due, moment):
+    """Keep of each cell that is due at a moment its latest entry, and no other entries."""
+    entries = due.lists[moment]
+    first = entries.size  # of those that are kept, which are collected at the end of the list
+    for k in range(due.counts[moment] - 1, -1, -1):
+        cell = entries[k]
+        if due.moment[cell] == moment:
+            due.moment[cell] = 0
+            first -= 1
+            entries[first] = cell
+    count = 0
+    for k in range(first, entries.size):
+        entries[count] = entries[k]
+        due.moment[entries[k]] = moment
+        count += 1
+    due.counts[moment] = count
 
 
 @kernel
 def set_due(due, cell, moment):
     """Make a cell due at one moment and no other; at none if the moment is the end of the step."""
-    old = due.moment[cell]
-    if old == moment:
-        return
-    if old > 0:
-        after = due.after[cell]
-        before = due.before[cell]
-        if before < 0:
-            due.first[old] = after
-        else:
-            due.after[before] = after
-        if after >= 0:
-            due.before[after] = before
-    if moment >= due.first.size:
+    if moment >= due.counts.size:
         moment = 0
+    if due.moment[cell] == moment:
+        return
     due.moment[cell] = moment
     if moment > 0:
-        after = due.first[moment]
-        due.after[cell] = after
-        due.before[cell] = -1
-        if after >= 0:
-            due.before[after] = cell
-        due.first[moment] = cell
+        entry = due.counts[moment]
+        due.lists[moment, entry] = cell
+        due.counts[moment] = entry + 1
+        # a list has room for two entries of every cell: at least half of it is free then
+        if entry + 1 == due.lists.shape[1]:
+            remove_old_entries(due, moment)
 
 
 @kernel
 def let_due_wait(due, moment, turns):
-    """Move the cells that are due at a moment (number of a short step) to the waiting ones."""
-    cell = due.first[moment]
-    while cell >= 0:
-        following = due.after[cell]
-        due.moment[cell] = 0
-        colour = turns.colour[cell]
-        turns.lists[colour, turns.counts[colour]] = cell
-        turns.counts[colour] += 1
-        turns.waits[cell] = 1
-        cell = following
-    due.first[moment] = -1
+    """Move the cells that are due at a moment to the waiting ones, those of the last entry first.
+
+    A moment is the number of a short step.
+    """
+    for k in range(due.counts[moment] - 1, -1, -1):
+        cell = due.lists[moment, k]
+        if due.moment[cell] == moment:
+            due.moment[cell] = 0
+            colour = turns.colour[cell]
+            turns.lists[colour, turns.counts[colour]] = cell
+            turns.counts[colour] += 1
+            turns.waits[cell] = 1
+    due.counts[moment] = 0
 
 
 @kernel
@@ -367,7 +409,7 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
     The walls are assumed to stay as they are. The overlap grows evenly over the step, and the
     overlap ratio with it.
     """
-    last = due.first.size  # the moment at the end of the step
+    last = due.counts.size  # the moment at the end of the step
     for i in range(n):
         cell = looked_at[i]
         if batch.breaks[i] > 0.0:
@@ -386,12 +428,17 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
 @kernel
 def let_ring_be_due(cells, due, broken, ring, moment):
     """Examine the cells two away from broken cells (n,) at the next moment, if they overlap."""
+    following = moment + 1
+    if following >= due.counts.size:
+        following = 0
     for cell in broken:
         for offset in ring:
-            near = cell + offset
-            overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
-            if overlap > 0.0:
-                set_due(due, near, moment + 1)
+            near = unsigned(cell + offset)
+            # most are due already, which is faster to see than their overlap
+            if due.moment[near] != following:
+                overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
+                if overlap > 0.0:
+                    set_due(due, cell + offset, following)
 
 
 @kernel
@@ -421,14 +468,18 @@ def find_peaks(batch, n, some, kind):
 def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
     """Copy the cells (n,) whose pairs break to ``overstressed``, and return their number.
 
-    None of the examined cells waits or is locked any more.
+    What is known of these pairs becomes the first part of the batch, except for their heights. None
+    of the examined cells waits or is locked any more.
     """
     m = 0
     for i in range(n):
-        turns.waits[looked_at[i]] = 0
-        cells.locked[looked_at[i]] = False
+        cell = unsigned(looked_at[i])
+        turns.waits[cell] = 0
+        cells.locked[cell] = False
         overstressed[m] = looked_at[i]
+        keep_assessment(batch, i, m)
         m += int(batch.breaks[i])
+    batch.breaks[:m] = 1.0
     return m
 
 
@@ -462,7 +513,7 @@ def add_changes(batch, i, cell, cells, walls, broken, count):
     if batch.steps[i] == 0.0:
         return count
     for k in range(9):
-        near = cell + (k // 3 - 1) * cells.stride + k % 3 - 1
+        near = unsigned(cell + (k // 3 - 1) * cells.stride + k % 3 - 1)
         if cells.upper[near] < math.inf:
             walls[UPPER, near] += batch.heights[UPPER, k, i] - cells.upper[near]
             walls[LOWER, near] += batch.heights[LOWER, k, i] - cells.lower[near]
@@ -491,13 +542,25 @@ def take_out_resting(batch, n, some, cells, walls, broken, count):
 
 @kernel
 def write_together(walls, broken, cells, turns, around):
-    """Copy the new walls around broken cells (n,) to the walls; those cells that overlap wait."""
+    """Copy the new walls around broken cells (n,) to the walls; those cells that overlap wait.
+
+    Pairs that break together have one colour.
+    """
     for cell in broken:
         for offset in around:
-            cells.upper[cell + offset] = walls[UPPER, cell + offset]
-            cells.lower[cell + offset] = walls[LOWER, cell + offset]
+            near = unsigned(cell + offset)
+            cells.upper[near] = walls[UPPER, near]
+            cells.lower[near] = walls[LOWER, near]
+    waiting = turns.lists[0]
+    count = turns.counts[0]
     for cell in broken:
-        let_neighbours_wait(cells, turns, cell, around)
+        for offset in around:
+            near = unsigned(cell + offset)
+            new = starts_to_wait(cells, turns, near)
+            waiting[unsigned(count)] = near
+            count += new
+            turns.waits[near] |= new
+    turns.counts[0] = count
 
 
 @kernel
@@ -612,7 +675,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                 if current_peaks:
                     find_peaks(batch, n, looked_at, cells.kind)
                 set_laws(batch, n, looked_at, cells.kind, law)
-                assess(batch, n, allowed, rules)
+                assess(batch, whole_vectors(n), allowed, rules)
                 if walks:
                     foresee(batch, n, looked_at, growing, due, moment, allowed)
                 if not resolved:
@@ -624,18 +687,19 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     batch, n, some, cells.upper, cells.lower, cells.approach,
                     growing, left, cells.stride, True,
                 )  # fmt: skip
-                set_laws(batch, n, some, cells.kind, law)
                 batch.steps[:n] = 0.0
                 # several breakage steps in a row, before the neighbours are examined
                 for turn in range(_MOST_PASSES):
                     if current_peaks and turn > 0:
                         find_peaks(batch, n, some, cells.kind)
                         set_laws(batch, n, some, cells.kind, law)
-                    assess(batch, n, allowed, rules)
+                    wide = whole_vectors(n)
+                    if turn > 0:
+                        assess(batch, wide, allowed, rules)
                     if gouge:
-                        measure_drops(batch, n, UPPER, tie_tolerance)
-                        measure_drops(batch, n, LOWER, tie_tolerance)
-                    share_losses(batch, n, gouge)
+                        measure_drops(batch, wide, UPPER, tie_tolerance)
+                        measure_drops(batch, wide, LOWER, tie_tolerance)
+                    share_losses(batch, wide, gouge)
                     for i in range(n if gouge else 0):
                         cells.locked[some[i]] |= batch.locked[i] > 0.0
                     breaking = int(batch.breaks[:n].sum())
@@ -649,9 +713,10 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     if resolved:
                         returning_losses(batch, n, band, rules)
                     else:
-                        fixed_losses(batch, n, breakage_step)
-                    shed_losses(batch, n, UPPER, tie_tolerance, gouge)
-                    shed_losses(batch, n, LOWER, tie_tolerance, gouge)
+                        fixed_losses(batch, wide, breakage_step)
+                    wide = whole_vectors(n)
+                    shed_losses(batch, wide, UPPER, tie_tolerance, gouge)
+                    shed_losses(batch, wide, LOWER, tie_tolerance, gouge)
                 if resolved:
                     for i in range(n):
                         broken = add_changes(batch, i, some[i], cells, following, taken, broken)

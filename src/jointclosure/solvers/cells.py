@@ -58,17 +58,41 @@ def curvature_among(here, neighbours, law):
 
 
 @kernel
-def curvature_at(heights, y, x, law):
-    """Compute `wall_curvature` of a cell of a wall (y, x) [1/m]."""
+def profiles(heights, cells, out):
+    """Copy the heights of cells (n,) and of their neighbours west, east, south and north [m].
+
+    They become the rows of ``out`` (5, n), infinite outside the grid of ``heights`` (y, x).
+    """
     ny, nx = heights.shape
-    west = heights[y, x - 1] if x > 0 else math.inf
-    east = heights[y, x + 1] if x < nx - 1 else math.inf
-    south = heights[y - 1, x] if y > 0 else math.inf
-    north = heights[y + 1, x] if y < ny - 1 else math.inf
-    here = heights[y, x]
-    return wall_curvature(
-        here, west, east, south, north, law.least_curvature, law.concave, law.spacing
-    )
+    for i in range(cells.size):
+        y, x = divmod(cells[i], nx)
+        out[0, i] = heights[y, x]
+        out[1, i] = heights[y, x - 1] if x > 0 else math.inf
+        out[2, i] = heights[y, x + 1] if x < nx - 1 else math.inf
+        out[3, i] = heights[y - 1, x] if y > 0 else math.inf
+        out[4, i] = heights[y + 1, x] if y < ny - 1 else math.inf
+
+
+@kernel
+def curvatures_at(heights, cells, law):
+    """Compute `wall_curvature` of cells (n,) of a wall (y, x), given by flat index [1/m]."""
+    n = cells.size
+    curvature = np.empty(n)
+    profile = np.empty((5, n))
+    profiles(heights, cells, profile)
+    # apart from the copying, so that it is vector code
+    for i in range(n):
+        curvature[i] = wall_curvature(
+            profile[0, i],
+            profile[1, i],
+            profile[2, i],
+            profile[3, i],
+            profile[4, i],
+            law.least_curvature,
+            law.concave,
+            law.spacing,
+        )
+    return curvature
 
 
 @kernel
@@ -106,24 +130,23 @@ def overlapping_cells(upper, lower, offset, peaks, law):
     Return flat indices, overlaps [m], curvatures [1/m] and compliances B [m N^(-2/3)], all (n,).
     """
     ny, nx = upper.shape
+    cells = np.empty(ny * nx, np.int64)
+    gaps = np.empty(ny * nx)
     count = 0
     for y in range(ny):
         for x in range(nx):
-            if upper[y, x] + lower[y, x] + offset > 0.0:
-                count += 1
-    cells = np.empty(count, np.int64)
-    overlap = np.empty(count)
-    curvature = np.empty(count)
-    compliance = np.empty(count)
-    k = 0
-    for y in range(ny):
-        for x in range(nx):
             gap = upper[y, x] + lower[y, x] + offset
-            if gap > 0.0:
-                cells[k] = y * nx + x
-                overlap[k] = gap
-                kappa = curvature_at(upper, y, x, law) + curvature_at(lower, y, x, law)
-                curvature[k] = kappa
-                compliance[k] = asperity_compliance(kappa, law.asperity_modulus[peaks[y, x]])
-                k += 1
+            # without a branch, because it would be unpredictable
+            cells[count] = y * nx + x
+            gaps[count] = gap
+            count += gap > 0.0
+    cells = cells[:count].copy()
+    overlap = gaps[:count].copy()
+    curvature = curvatures_at(upper, cells, law) + curvatures_at(lower, cells, law)
+    compliance = np.empty(count)
+    for i in range(count):
+        y, x = divmod(cells[i], nx)
+        compliance[i] = law.asperity_modulus[peaks[y, x]]
+    for i in range(count):
+        compliance[i] = asperity_compliance(curvature[i], compliance[i])
     return cells, overlap, curvature, compliance

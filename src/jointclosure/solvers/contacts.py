@@ -164,15 +164,17 @@ def separate_shift(contacts, target):
     for i in range(1, contacts.overlap.size):
         if contacts.overlap[i] > contacts.overlap[tallest]:
             tallest = i
+    unknown = np.zeros(contacts.overlap.size)
     low = -contacts.overlap[tallest]
     shift = low + overlap_of_force(target, contacts.substrate, contacts.compliance[tallest])
     high = np.inf
     for _ in range(200):
         total = 0.0
         slope = 0.0
-        for i in range(contacts.overlap.size):
-            overlap = contacts.overlap[i] + shift
-            force, stiffness = force_of_overlap(overlap, contacts.substrate, contacts.compliance[i])
+        root = contact_roots(contacts, contacts.overlap + shift, unknown)
+        for i in range(root.size):
+            compliance = contacts.compliance[i]
+            force, stiffness = force_of_root(root[i], contacts.substrate, compliance)
             total += force
             slope += stiffness
         if total > target:
@@ -190,6 +192,12 @@ def separate_shift(contacts, target):
                 return high
         shift = following
     return shift
+
+
+@kernel
+def unlimited(cells, overlap, compliance, substrate):
+    """Return `Contacts` whose forces have no limit."""
+    return Contacts(cells, overlap, compliance, np.full(cells.size, np.inf), substrate)
 
 
 @kernel

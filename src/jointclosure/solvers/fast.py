@@ -19,6 +19,7 @@ difference of its force to that at rest measures the error of the step.
 
 import numpy as np
 
+from jointclosure.compilation.kernels import kernel
 from jointclosure.solvers.breakage import breakage_kernel, strength_limits
 from jointclosure.solvers.contacts import Contacts, start_forces
 from jointclosure.solvers.elastic import elastic_curve
@@ -145,8 +146,7 @@ class _PathToRest:
     def extrapolate(self, step: float) -> None:
         """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
         joint = self.joint
-        joint.interaction += step * joint.interaction_rate
-        np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
+        follow_rates(joint.interaction, joint.interaction_rate, joint.force, joint.force_rate, step)
         self._interaction_known = False
 
     def alternate(self, asked: float) -> None:
@@ -287,8 +287,29 @@ def _stage_tolerances(asked: float) -> tuple[float, ...]:
 def _store_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
     """Store rates of interaction and force per closure, to extrapolate the next step."""
     interaction, force = before
-    np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
-    np.divide(joint.force - force, step, out=joint.force_rate)
+    set_rates(joint.interaction_rate, joint.interaction, interaction, step)
+    np.clip(joint.interaction_rate, 0.0, 1.0, out=joint.interaction_rate)
+    set_rates(joint.force_rate, joint.force, force, step)
+
+
+@kernel
+def set_rates(rate, field, former, step):
+    """Set the rates (y, x) of a field per closure, ``step`` [m] after its former values (y, x)."""
+    for y in range(field.shape[0]):
+        for x in range(field.shape[1]):
+            rate[y, x] = (field[y, x] - former[y, x]) / step
+
+
+@kernel
+def follow_rates(interaction, interaction_rate, force, force_rate, step):
+    """Extrapolate interaction [m] and forces [N] (y, x) over a step [m] of closure, in place.
+
+    Rates are per closure [1, N/m]. No force becomes negative.
+    """
+    for y in range(force.shape[0]):
+        for x in range(force.shape[1]):
+            interaction[y, x] += step * interaction_rate[y, x]
+            force[y, x] = max(force[y, x] + step * force_rate[y, x], 0.0)
 
 
 def _is_resolved(joint: Joint) -> bool:

@@ -88,6 +88,21 @@ def places(cells, nx):
 
 
 @kernel
+def padded_places(cells, nx, columns):
+    """Return the flat indices (n,) of cells in an array whose rows are padded to ``columns``.
+
+    The cells are given by flat index in rows of ``nx`` cells. Rows are computed in floating point,
+    since the division of integers is slow; the half of a cell is much more than its rounding.
+    """
+    place = np.empty(cells.size, np.int64)
+    inverse = 1.0 / nx
+    for i in range(cells.size):
+        row = int((cells[i] + 0.5) * inverse)
+        place[i] = cells[i] + row * (columns - nx)
+    return place
+
+
+@kernel
 def fill_influence(matrix, wide, middle, place, known):
     """Fill in influences [m/N] between cells at places (n,) in the first n rows of a matrix.
 
@@ -241,10 +256,11 @@ def interaction_product(influence, matrix, cells, values, force):
     for i in range(cells.size):
         flat[cells[i]] = values[i]
     set_interaction_field(influence, force)
-    nx = force.shape[1]
+    place = padded_places(cells, force.shape[1], influence.field.shape[1])
+    field = influence.field.ravel()
     answer = np.empty(cells.size)
     for i in range(cells.size):
-        answer[i] = influence.field[cells[i] // nx, cells[i] % nx]
+        answer[i] = field[place[i]]
     return answer
 
 
@@ -264,13 +280,16 @@ def single_product(influence, matrix, cells, values):
         largest = max(largest, abs(values[i]))
     scale = math.ldexp(1.0, math.frexp(largest)[1]) if 0.0 < largest < math.inf else 1.0
     single.padded[:, :nx] = 0.0
+    place = padded_places(cells, nx, single.padded.shape[1])
+    padded = single.padded.ravel()
     for i in range(cells.size):
-        single.padded[cells[i] // nx, cells[i] % nx] = values[i] / scale
+        padded[place[i]] = values[i] / scale
     convolve(single.padded, single.spectrum, single.wave, single.field)
     unit = scale * single.unit
+    field = single.field.ravel()
     answer = np.empty(cells.size)
     for i in range(cells.size):
-        answer[i] = unit * single.field[cells[i] // nx, cells[i] % nx]
+        answer[i] = unit * field[place[i]]
     return answer, unit
 
 

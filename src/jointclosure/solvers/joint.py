@@ -13,7 +13,7 @@ from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.breakage import WorkSpace, work_space
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.conjugate_gradients import NO_COARSE_SPACE, CoarseSpace
-from jointclosure.solvers.contacts import Contacts, separate_equilibrium
+from jointclosure.solvers.contacts import Contacts, separate_equilibrium, unlimited
 from jointclosure.solvers.interaction_operator import (
     Influence,
     Neighbours,
@@ -234,8 +234,7 @@ class Joint:
 
     def contacts(self, cells, overlap, compliance) -> Contacts:
         """Return elastic contacts of these cells, without a limit of their forces."""
-        limit = np.full(cells.size, np.inf)
-        return Contacts(cells, overlap, compliance, limit, self.law.substrate)
+        return unlimited(cells, overlap, compliance, self.law.substrate)
 
     def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
         """Return contacts extended to all `neighbours`, and the influence matrix (m, m) of these.

@@ -22,6 +22,7 @@ from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 from jointclosure.mechanics.strength import bounded_strength
 from jointclosure.solvers.cells import wall_curvature
+from jointclosure.solvers.products import LANES
 
 BATCH = 128  # most pairs of a batch; chosen
 UPPER = 0  # index of the upper wall
@@ -89,6 +90,22 @@ class Rules(NamedTuple):
 
 
 @kernel
+def unsigned(index):
+    """Return an index >= 0 as an unsigned one, which is not checked for being negative."""
+    return np.uint64(index)
+
+
+@kernel
+def whole_vectors(n):
+    """Return a number of pairs rounded up to whole vectors of the processor.
+
+    A loop over whole vectors has no part that is not vector code. What it computes for places of
+    the batch without a pair is not used.
+    """
+    return n + -n % LANES
+
+
+@kernel
 def gather(batch, n, cells, upper, lower, approach, growth, left, stride, with_corners):
     """Copy approaches and heights around cells (n,) into a batch, optionally with corners.
 
@@ -97,11 +114,12 @@ def gather(batch, n, cells, upper, lower, approach, growth, left, stride, with_c
     """
     for i in range(n):
         cell = cells[i]
-        batch.approach[i] = approach[cell] - left * growth[cell]
+        at = unsigned(cell)
+        batch.approach[i] = approach[at] - left * growth[at]
         for row in range(3):
             for column in range(3):
                 if with_corners or row == 1 or column == 1:
-                    near = cell + (row - 1) * stride + column - 1
+                    near = unsigned(cell + (row - 1) * stride + column - 1)
                     batch.heights[UPPER, 3 * row + column, i] = upper[near]
                     batch.heights[LOWER, 3 * row + column, i] = lower[near]
 
@@ -112,8 +130,9 @@ def scatter(batch, i, cell, upper, lower, stride):
     for row in range(3):
         start = cell + (row - 1) * stride - 1
         for column in range(3):
-            upper[start + column] = batch.heights[UPPER, 3 * row + column, i]
-            lower[start + column] = batch.heights[LOWER, 3 * row + column, i]
+            near = unsigned(start + column)
+            upper[near] = batch.heights[UPPER, 3 * row + column, i]
+            lower[near] = batch.heights[LOWER, 3 * row + column, i]
 
 
 @kernel
@@ -143,6 +162,18 @@ def assess(batch, n, allowed, rules):
         batch.overlap[i] = overlap
         batch.overlap_ratio[i] = load / strength
         batch.breaks[i] = 1.0 if load > allowed * strength else 0.0
+
+
+@kernel
+def keep_assessment(batch, at, to):
+    """Copy strength and assessment of a pair, except for whether it breaks, to another place."""
+    batch.curvature[UPPER, to] = batch.curvature[UPPER, at]
+    batch.curvature[LOWER, to] = batch.curvature[LOWER, at]
+    batch.overlap[to] = batch.overlap[at]
+    batch.overlap_ratio[to] = batch.overlap_ratio[at]
+    batch.critical_indentation[to] = batch.critical_indentation[at]
+    batch.substrate_strength[to] = batch.substrate_strength[at]
+    batch.filling[to] = batch.filling[at]
 
 
 @kernel
@@ -360,10 +391,11 @@ def returning_losses(batch, n, band, rules):
     """
     goal = 1.0 - 0.5 * band
     near = 0.25 * band
-    bracket_losses(batch, n, goal, rules.gouge)
+    wide = whole_vectors(n)
+    bracket_losses(batch, wide, goal, rules.gouge)
     unsolved = n
     for _ in range(_MOST_NARROWED):
-        for i in range(n):
+        for i in range(wide):
             narrow_loss(batch, i, goal, near, rules)
         unsolved = 0
         for i in range(n):
@@ -386,15 +418,10 @@ def copy_pair(batch, at, to):
     for wall in range(2):
         for k in range(9):
             batch.heights[wall, k, to] = batch.heights[wall, k, at]
-        batch.curvature[wall, to] = batch.curvature[wall, at]
         batch.total_drop[wall, to] = batch.total_drop[wall, at]
         batch.least_drop[wall, to] = batch.least_drop[wall, at]
         batch.loss[wall, to] = batch.loss[wall, at]
+    keep_assessment(batch, at, to)
     batch.approach[to] = batch.approach[at]
-    batch.overlap[to] = batch.overlap[at]
-    batch.critical_indentation[to] = batch.critical_indentation[at]
-    batch.substrate_strength[to] = batch.substrate_strength[at]
-    batch.filling[to] = batch.filling[at]
-    batch.overlap_ratio[to] = batch.overlap_ratio[at]
     batch.breaks[to] = batch.breaks[at]
     batch.steps[to] = batch.steps[at]

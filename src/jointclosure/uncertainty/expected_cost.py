@@ -25,18 +25,17 @@ BASE_BYTES = 300e6  # memory of the program with a small joint
 SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
 LARGEST = 1000 * 1000  # most cells that are simulated without a stated grid spacing
 # Time of a joint over that by the paper's steps with all effects, measured on the last two of three
-# joints (100 x 100 cells). Tolerances of 0.1, 0.02 and 0.004 took 8.9, 12 and 47 times as long in
-# dolerite, 7.3, 10 and 42 times in siltstone. The first two took 9.5 and 10 times as long in a
-# granite of JRC 10 with waves of all lengths and a bound of strength. For dolerite and siltstone
-# the factors were 9.3 and 9.1 without gouge, 0.17 and 0.22 without breakage, 0.64 and 0.89 without
-# interaction, and 1.1 and 0.75 without soft peaks.
-RESOLVED_COST = 9.0
+# joints (100 x 100 cells). Tolerances of 0.1, 0.02 and 0.004 took 4.9, 5.2 and 13 times as long in
+# dolerite (30 MPa), 5.0, 4.0 and 12 times in siltstone (15 MPa). The factors were 3.6 and 6.1
+# without gouge, 0.05 and 0.07 without breakage, 0.6 and 0.75 without interaction, and 1.0 without
+# soft peaks.
+RESOLVED_COST = 5.0
 """Least relative time with resolved breakage."""
-TOLERANCE_COST = 0.2
+TOLERANCE_COST = 0.053
 """Relative time with resolved breakage, times the tolerance, if that is more."""
-NO_GOUGE_COST = 9.0
+NO_GOUGE_COST = 5.0
 """Least relative time without gouge."""
-NO_BREAKAGE_COST = 0.2
+NO_BREAKAGE_COST = 0.06
 """Relative time without breakage, by any steps."""
 NO_INTERACTION_COST = 0.7
 """Factor of the relative time without interaction."""
