@@ -29,7 +29,6 @@ import peers
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from jointclosure.joint.curves import closures_at
 from jointclosure.joint.history import history_of
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
@@ -93,7 +92,7 @@ def asperity_model(walls, effects, stresses: np.ndarray) -> PressedJoint:
     """Press two walls (y, x) [m] by our model at ascending stresses [Pa]."""
     history = close(walls, effects, stresses[-1], cycles=2)
     stresses = np.minimum(stresses, float(history.normal_stress.max()))  # breakage may jump over it
-    read = [closures_at(history, stresses, of) for of in ("closure", "contact_fraction")]
+    read = [history_of(history).curve(of).at(stresses) for of in ("closure", "contact_fraction")]
     # loading, unloading of the first cycle, loading of the second
     curves, shares = (np.array([each[0, 0], each[0, 1], each[1, 0]]) for each in read)
     return PressedJoint(curves, shares, float(history.residual_closure[0]))

@@ -14,7 +14,7 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.joint.conditions import RESOLVED
-from jointclosure.joint.curves import closures_at
+from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL
@@ -36,7 +36,7 @@ def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
     pair = jc.wall_pair(JRC, (CELLS, CELLS), SPACING, seed, **walls)
     joint = jc.simulate(*pair, conditions=GRANITE)
     stresses = np.linspace(GRANITE.seating_stress, GRANITE.max_normal_stress, 21)
-    closures = closures_at(joint, stresses)  # (cycles, loading and unloading, stresses)
+    closures = history_of(joint).net.at(stresses)  # (cycles, loading and unloading, stresses)
     there_and_back = np.concatenate([closures[:, 0], closures[:, 1, ::-1]], axis=1)
     cycles = np.repeat(np.arange(len(closures)) + 1, 2 * stresses.size)
     stress = np.tile(np.concatenate([stresses, stresses[::-1]]), len(closures))

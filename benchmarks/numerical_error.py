@@ -24,7 +24,7 @@ import pandas as pd
 from effects_auto import SPACING, scene
 
 import jointclosure as jc
-from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.ensembles.joints import Reading, simulate_row
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
@@ -50,7 +50,7 @@ def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
         numerics = coarser(RESOLVED, tolerance)
         try:
             here = conditions._replace(numerics=numerics).checked()
-            joint = close_joint(tuple(COPIES[name](wall) for wall in pair), Reading(here, READ))
+            joint = simulate_row(tuple(COPIES[name](wall) for wall in pair), Reading(here, READ))
         except jc.InputError as error:
             print(f"joint {number}: {error}")
             return []

@@ -29,7 +29,7 @@ import xarray as xr
 import jointclosure as jc
 from benchmarks.registration import Truth
 from jointclosure.ensembles.quantities import CURVES, HEADINGS
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import LOADING
 from jointclosure.joint.tables import members, stress_table
 from jointclosure.statistics.randomness import generator, seed_of
@@ -111,7 +111,7 @@ def truths(number: int, truth: Truth, joint: ClosedJoint) -> list[tuple[str, xr.
     drawn = variants_of(conditions, sources, CHOICES, seed_of(2, number))
     variants += [variant._replace(source=CHOSEN) for variant in drawn if variant.source == ALL]
     return [
-        (variant.source, close_walls(*variant.walls(*walls, None), variant.conditions))
+        (variant.source, simulate_walls(*variant.walls(*walls, None), variant.conditions))
         for variant in variants
     ]
 

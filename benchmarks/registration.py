@@ -19,7 +19,7 @@ import scipy
 
 import jointclosure as jc
 from jointclosure.joint.conditions import RESOLVED, Conditions
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
@@ -139,7 +139,7 @@ class Truth:
 def closure(upper: np.ndarray, lower: np.ndarray, spacing: float) -> float:
     """Simulate two walls (y, x) [m]; return the net closure of the cycle [mm]."""
     conditions = Conditions(spacing, "granite", 10e6, 1, numerics=RESOLVED).checked()
-    return float(cycle_table(close_walls(upper, lower, conditions))[CLOSURE_NET].iloc[0])
+    return float(cycle_table(simulate_walls(upper, lower, conditions))[CLOSURE_NET].iloc[0])
 
 
 def compared(number: int, close: bool) -> dict[str, float]:

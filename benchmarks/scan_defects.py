@@ -25,7 +25,7 @@ import scipy
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.conditions import RESOLVED, Conditions
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
@@ -208,7 +208,7 @@ def judged(pairs: int, scans: dict[str, Scan | Cloud]) -> pd.DataFrame:
 def closures(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
     """Simulate two walls (y, x) [m]; return the net closures (2,) [mm] of both cycles."""
     conditions = Conditions(SPACING, "granite", 10e6, 2, numerics=RESOLVED).checked()
-    table = cycle_table(close_walls(detrended(upper), detrended(lower), conditions))
+    table = cycle_table(simulate_walls(detrended(upper), detrended(lower), conditions))
     return table[CLOSURE_NET].to_numpy()
 
 

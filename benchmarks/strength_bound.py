@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.ensembles.joints import Reading, simulate_row
 from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
@@ -80,7 +80,7 @@ def closed(name: str, rule: str, setting: str, copy: str) -> dict:
     made = {"choices": RULES[rule], "numerics": SETTINGS[setting]}
     conditions = Conditions(spacing, rock, stress, **made).checked()
     pair = tuple(COPIES[copy](wall) for wall in walls)
-    row = close_joint(
+    row = simulate_row(
         pair, Reading(conditions, (CLOSURE, STIFFNESS, "status", "timing_simulation"))
     )
     cycles = {

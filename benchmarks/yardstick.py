@@ -27,7 +27,7 @@ import pandas as pd
 import scipy.fft
 
 import jointclosure as jc
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.storage.provenance import processor, versions_of
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import Configuration, configured, merged, merged_study
@@ -127,7 +127,7 @@ def base_case(configuration: Configuration, case: Case, realization: int) -> tup
     block = range(realization, realization + 1)
     settings = block_settings(configuration, case, block)
     walls = next(walls_of(settings))
-    return timed(lambda: close_walls(*walls, settings.conditions))
+    return timed(lambda: simulate_walls(*walls, settings.conditions))
 
 
 class Pair:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.ensembles.joints import Reading, Row, close_joint, stacked
+from jointclosure.ensembles.joints import Reading, Row, simulate_row, stacked
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import Effects, scene_name
@@ -70,7 +70,7 @@ def close_joints(
         number = first + len(rows)
         again = f"; to repeat it: {repeat} {number}" if repeat else ""
         try:
-            row = closed[seed] if seed in closed else close_joint(pair, reading)
+            row = closed[seed] if seed in closed else simulate_row(pair, reading)
         except Exception as error:
             error.add_note(f"realisation {number}{again}")
             raise

@@ -308,7 +308,7 @@ def test_an_error_names_the_command_that_repeats_its_realisation(monkeypatch):
     def failing(pair, reading):
         raise FloatingPointError("no number")
 
-    monkeypatch.setattr(closing, "close_joint", failing)
+    monkeypatch.setattr(closing, "simulate_row", failing)
     point = point_of("slate-base", range(4, 6))
     with pytest.raises(FloatingPointError) as error:
         close_joints(point, point.walls(), NAMES, repeat="repeat r slate-base")

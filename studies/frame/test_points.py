@@ -7,7 +7,7 @@ import pytest
 from jointclosure.ensembles import joints as closing
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.inputs import InputError
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.conftest import points_of
 from studies.frame.closing import close_points
@@ -87,11 +87,11 @@ def test_points_of_a_job_may_differ_in_their_number_of_cycles(points):
 
 def test_a_joint_that_failed_is_kept_with_its_status_alone(points, monkeypatch):
     def failing(upper, lower, conditions, **options):
-        closed = close_walls(upper, lower, conditions)
+        closed = simulate_walls(upper, lower, conditions)
         closed["status"] = closed.status + 128
         return closed
 
-    monkeypatch.setattr(closing, "close_walls", failing)
+    monkeypatch.setattr(closing, "simulate_walls", failing)
     rows = as_table([close_points(points[:1], ("max_closure",))])
     assert len(rows) == 4
     assert (rows.status >= 128).all()

@@ -93,8 +93,8 @@ def test_joints_of_a_pilot_are_taken_instead_of_closed_again(
     assert (under.settings.conditions.effects == jc.Effects()) is (tolerance < 0.5)
     plain = close_joints(under, walls, NAMES)
     closed = []
-    close = closing.close_joint
-    monkeypatch.setattr(closing, "close_joint", lambda *given: closed.append(1) or close(*given))
+    close = closing.simulate_row
+    monkeypatch.setattr(closing, "simulate_row", lambda *given: closed.append(1) or close(*given))
     taken = close_joints(under, walls, NAMES, closed=known)
     assert len(closed) == 4 - pilot.sizes["joint"] < 4
     assert taken.drop_vars(TIMES).identical(plain.drop_vars(TIMES))

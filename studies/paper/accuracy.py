@@ -121,15 +121,18 @@ def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Ite
             fine = fine[both]
             at = about | {"cycle": cycle, "quantity": name, "unit": unit}
             estimate = _mean(1.0 / cheap, 1.0 / fine) if quantity.harmonic else _mean(cheap, fine)
-            low, high = sorted(_shown(end, scale, quantity.harmonic) for end in estimate[0][1:])
+            low, high = sorted(
+                _in_shown_unit(end, scale, quantity.harmonic) for end in estimate[0][1:]
+            )
             value, own = (
-                _shown(x, scale, quantity.harmonic) for x in (estimate[0].value, estimate.study)
+                _in_shown_unit(x, scale, quantity.harmonic)
+                for x in (estimate[0].value, estimate.study)
             )
             shown = estimate._replace(interval=Interval(value, low, high), study=own)
             yield at, Counts(cheap.size, fine.size), [i], shown
 
 
-def _shown(value: float, scale: float, harmonic: bool) -> float:
+def _in_shown_unit(value: float, scale: float, harmonic: bool) -> float:
     """Return a mean (its reciprocal if harmonic) in the unit in which it is shown."""
     return scale / value if harmonic else scale * value
 

@@ -344,14 +344,14 @@ def _by_steps(
     stress = history.stress[here]
     if seating_stress is None:
         start = history.branch(cycle, LOADING).steps[0]
-        closure = history.gross[here] - history.gross[start]
+        closure = history.gross.values[here] - history.gross.values[start]
     else:  # from the first step above the seating stress, or to the last one
-        seat = history.seat(cycle, LOADING)
-        end = history.seat(cycle, branch)
+        seat = history.net.seat(cycle, LOADING)
+        end = history.net.seat(cycle, branch)
         above = np.flatnonzero(stress > seating_stress)
         above = np.arange(above[0], here.size) if branch == LOADING else np.arange(above[-1] + 1)
         place = 0 if branch == LOADING else above.size
-        closure = np.insert(history.net[here[above]], place, end) - seat
+        closure = np.insert(history.net.values[here[above]], place, end) - seat
         stress = np.insert(stress[above], place, seating_stress)
     upwards = slice(None, None, 1 if branch == LOADING else -1)
     return _Branches(1e3 * closure[None, upwards], 1e-6 * stress[upwards])

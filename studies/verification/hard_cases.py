@@ -25,7 +25,7 @@ from jointclosure.assessment.assess import FEATURES, closures_of, features_of
 from jointclosure.ensembles import oracle_limits
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
-from jointclosure.joint.simulation import close_walls, equilibrium, height_datum
+from jointclosure.joint.simulation import equilibrium, height_datum, simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
@@ -201,7 +201,7 @@ def _run(frozen: str) -> CaseOutcome:
                 target = _target(case, upper, lower, setting)
                 stated = setting | load_of(case, target)
                 conditions = Conditions(seating_stress=0.0, unusual_values=True, **stated)
-                dataset = close_walls(
+                dataset = simulate_walls(
                     upper, lower, conditions,
                     solver_of=lambda name: JudgedSolver(solver_named(name), judge),
                 )  # fmt: skip

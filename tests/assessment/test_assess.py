@@ -53,11 +53,16 @@ def test_the_observed_order_is_the_one_that_was_put_in():
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
 
 
-def test_coarser_numerics_change_nothing_but_steps_or_tolerance():
-    fine, rough = module.RESOLVED, module.coarser(module.RESOLVED, 2.0)
+@pytest.mark.parametrize(
+    ("breakage", "acting"),
+    [("resolved", {"tolerance"}), ("fixed_step", {"breakage_step", "later_breakage_step"})],
+)
+def test_coarser_numerics_change_nothing_but_steps_or_tolerance_that_act(breakage, acting):
+    fine = module.RESOLVED._replace(breakage=breakage)
+    rough = module.coarser(fine, 2.0)
     scaled = {name: b / a for name, a, b in zip(fine._fields, fine, rough, strict=True) if a != b}
-    steps = {name for name in fine._fields if name.endswith("_step")}
-    assert scaled == dict.fromkeys(steps | {"tolerance"}, 2.0)
+    steps = {"displacement_step", "later_displacement_step"}
+    assert scaled == dict.fromkeys(steps | acting, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -106,8 +111,8 @@ def test_an_assessment_goes_on_where_it_was_interrupted(assessed, tmp_path, monk
     kept = file.read_text()
     (tmp_path / "closures.jsonl").write_text(kept[: int(0.6 * len(kept))])  # killed in a line
     closed = []
-    close = module.close_joint
-    monkeypatch.setattr(module, "close_joint", lambda *task: closed.append(task) or close(*task))
+    close = module.simulate_row
+    monkeypatch.setattr(module, "simulate_row", lambda *task: closed.append(task) or close(*task))
     again = jc.assess(walls, **SCENE, folder=tmp_path, workers=1)
     assert 0 < len(closed) < len(kept.splitlines())
     values = [part.closures[list(ASSESSED)].to_numpy() for part in (first, again)]

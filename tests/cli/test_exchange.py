@@ -16,10 +16,9 @@ from jointclosure.cli import main as cli
 from jointclosure.cli.results import _flow_remarks, summary
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import flow
-from jointclosure.joint.curves import table_levels
 from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
-from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, parameter
+from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, loading_hyperbolas
 from jointclosure.joint.tables import (
     TRANSMISSIVITIES,
     WATER,
@@ -374,7 +373,7 @@ def test_an_end_of_a_band_without_an_aperture_has_no_geos_table(history, band, c
 
 def test_named_stresses_change_no_input_of_other_programs_but_tables_for_dem(history):
     usual = stress_table(history)
-    named = stress_table(history, table_levels(history, [0.2e6, 1.3e6]))
+    named = stress_table(history, history_of(history).table_levels([0.2e6, 1.3e6]))
     assert exports.porepy_files(history, named) == exports.porepy_files(history, usual)
     assert exports.geos_files(history, named) == exports.geos_files(history, usual)
     text = exports.itasca_tables(history, named)["joint_stiffness.dat"]
@@ -441,7 +440,7 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     # its aperture is that of the joint, under load too: both are of the net closure
     aperture = 1e-3 * cycle.mean_aperture_at_max_mm
     assert residual + opening - closes == pytest.approx(aperture, rel=0.01)
-    fitted = 1e9 * parameter(fitted_laws(history), 2, "loading", "kni_MPa_per_mm")
+    fitted = 1e9 * loading_hyperbolas(history, [2]).loc[2, "kni_MPa_per_mm"]
     assert stiffness == pytest.approx(fitted, rel=1e-12)
 
 
@@ -449,8 +448,7 @@ def test_hyperbolas_that_are_drawn_are_those_of_the_screen(history):
     axes = engineering_figure(history, "joint", stress_table(history)).axes[0]
     (line,) = (drawn for drawn in axes.lines if drawn.get_label() == "hyperbolas fitted")
     closure, stress = line.get_data()
-    fits = fitted_laws(history)
-    kni, vm = (parameter(fits, 1, "loading", name) for name in ("kni_MPa_per_mm", "vm_mm"))
+    kni, vm = loading_hyperbolas(history, [1]).loc[1]
     above = stress - 0.5
     np.testing.assert_allclose(closure, above * vm / (kni * vm + above), rtol=1e-12)
 
@@ -464,10 +462,9 @@ def from_zero():
 
 def test_without_a_seating_stress_constants_of_programs_agree_with_those_on_the_screen(from_zero):
     stiffness, opening, residual = porepy(from_zero).values()
-    fits = fitted_laws(from_zero)
-    fitted = 1e9 * parameter(fits, 1, "loading", "kni_MPa_per_mm")
-    assert stiffness == pytest.approx(fitted, rel=1e-12)
-    assert opening == pytest.approx(1e-3 * parameter(fits, 1, "loading", "vm_mm"), rel=1e-12)
+    kni, vm = loading_hyperbolas(from_zero, [1]).loc[1]
+    assert stiffness == pytest.approx(1e9 * kni, rel=1e-12)
+    assert opening == pytest.approx(1e-3 * vm, rel=1e-12)
     at_first_touch = float(from_zero.mean_aperture[0])
     assert residual == pytest.approx(at_first_touch - opening, rel=1e-6)
 

@@ -20,7 +20,7 @@ STRENGTH = ["--range", "compressive_strength_MPa"]
 @pytest.fixture(autouse=True)
 def nothing_is_computed(monkeypatch, inputs):
     monkeypatch.chdir(inputs)
-    for name in ("joint.simulation.close_checked", "uncertainty.scanned_joint.close_checked"):
+    for name in ("joint.simulation.simulate_checked", "uncertainty.scanned_joint.simulate_checked"):
         monkeypatch.setattr(f"jointclosure.{name}", None)
 
 

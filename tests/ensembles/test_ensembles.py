@@ -23,7 +23,7 @@ from jointclosure.uncertainty.expected_cost import (
     check_cells,
     expected_cost,
 )
-from jointclosure.uncertainty.variants import sources_of, variants_of
+from jointclosure.uncertainty.variants import UncertainJoint, uncertain_joint
 from tests.ensembles.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python
@@ -111,7 +111,7 @@ def after_a_kill(tmp_path_factory):
     killing = functools.partial(kill_worker_once, marker=marker)
     again = pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]")
     with pytest.MonkeyPatch.context() as patch, again as warned:
-        patch.setattr(joints, "close_joint", killing)
+        patch.setattr(joints, "simulate_row", killing)
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1
     assert marker.exists()
@@ -156,7 +156,7 @@ def walls(cells):
 
 
 def test_small_joints_are_closed_without_an_estimate():
-    assert expected_cost(*walls(32), CONDITIONS, single=False) is None
+    assert expected_cost(uncertain_joint(*walls(32), CONDITIONS)) is None
 
 
 @pytest.fixture(scope="module")
@@ -164,12 +164,12 @@ def single_cost():
     """Walls, and what it costs to close them without their range."""
     upper, lower = walls(160)
     assert upper.size > SMALL
-    return upper, lower, expected_cost(upper, lower, CONDITIONS, single=True)
+    return upper, lower, expected_cost(UncertainJoint(upper, lower, CONDITIONS))
 
 
 def test_the_cost_grows_with_the_range(single_cost):
     upper, lower, one = single_cost
-    several = expected_cost(upper, lower, CONDITIONS, single=False)
+    several = expected_cost(uncertain_joint(upper, lower, CONDITIONS))
     for cost in (one, several):
         assert 0.0 < cost.seconds[0] < cost.seconds[1]
     assert several.seconds[0] > 5.0 * one.seconds[0]
@@ -177,7 +177,8 @@ def test_the_cost_grows_with_the_range(single_cost):
 
 def test_the_cost_grows_with_the_cells(single_cost):
     upper, lower, one = single_cost
-    larger = expected_cost(*(np.tile(wall, 2) for wall in (upper, lower)), CONDITIONS, single=True)
+    tiled = (np.tile(wall, 2) for wall in (upper, lower))
+    larger = expected_cost(UncertainJoint(*tiled, CONDITIONS))
     assert larger.memory - one.memory == BYTES * upper.size
 
 
@@ -189,13 +190,14 @@ def test_a_cost_is_stated_in_times_of_the_processor():
 def test_the_cost_of_a_range_is_that_of_the_cells_of_its_variants(monkeypatch):
     monkeypatch.setattr(estimation, "_time_of_window", lambda *about: (1.0, 128 * 128))
     upper, lower = walls(160)
-    one, several = (expected_cost(upper, lower, CONDITIONS, single) for single in (True, False))
-    variants = list(variants_of(CONDITIONS, sources_of(CONDITIONS, upper.shape)))
-    cells = np.array([upper[:: v.step, :: v.step].size / upper.size for v in variants])
+    joint = uncertain_joint(upper, lower, CONDITIONS)
+    one = expected_cost(UncertainJoint(upper, lower, CONDITIONS))
+    several = expected_cost(joint)
+    cells = np.array([upper[:: v.step, :: v.step].size / upper.size for v in joint.variants])
     assert 0 < np.count_nonzero(cells < 1.0) < cells.size
     for power, alone, together in zip(EXPONENTS, one.seconds, several.seconds, strict=True):
         assert together / alone == pytest.approx(1.0 + (cells**power).sum())
-    first, three = (expected_cost(upper, lower, CONDITIONS, False, workers=n) for n in (1, 3))
+    first, three = (expected_cost(joint, workers) for workers in (1, 3))
     assert three.memory - first.memory == 2 * BYTES * upper.size
 
 
@@ -209,24 +211,24 @@ def test_many_cells_need_a_stated_spacing():
 FLAT = np.zeros((200, 200))
 
 
-def forecast(monkeypatch, **how):
+def forecast(monkeypatch, made=uncertain_joint, workers=None):
     """Expected cost of a flat joint, as if its window of 128 x 128 cells took ten seconds."""
     monkeypatch.setattr(estimation, "_time_of_window", lambda *walls: (10.0, 128 * 128))
-    return expected_cost(FLAT, FLAT, Conditions(**LOAD).checked(), **how)
+    return expected_cost(made(FLAT, FLAT, Conditions(**LOAD).checked()), workers)
 
 
 def test_a_forecast_has_the_powers_of_the_cells_with_their_scatter(monkeypatch):
-    one = forecast(monkeypatch, single=True)
+    one = forecast(monkeypatch, UncertainJoint)
     share = FLAT.size / 128**2
     assert one.seconds == pytest.approx((10.0 / 1.4 * share**1.15, 10.0 * 1.4 * share**1.75))
-    ranged = forecast(monkeypatch, single=False, workers=2)
+    ranged = forecast(monkeypatch, workers=2)
     assert ranged.seconds[0] > 10.0 * one.seconds[0]
 
 
 def test_a_forecast_has_the_memory_of_all_joints_at_once(monkeypatch):
-    one = forecast(monkeypatch, single=True)
+    one = forecast(monkeypatch, UncertainJoint)
     assert one.memory == pytest.approx(300e6 + 1000 * FLAT.size)
-    ranged = forecast(monkeypatch, single=False, workers=2)
+    ranged = forecast(monkeypatch, workers=2)
     assert ranged.memory == pytest.approx(300e6 + 2 * 1000 * FLAT.size)
 
 

@@ -11,7 +11,7 @@ from jointclosure.ensembles.quantities import COLUMNS, HEADINGS, QUANTITIES
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.fast import BAND
@@ -26,7 +26,7 @@ CONDITIONS = Conditions(0.25e-3, SLATE, LARGEST, 3, 0.5e6, Effects(), PAPER, Num
 @pytest.fixture(scope="module")
 def joint():
     walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
-    closed = close_walls(*walls, CONDITIONS)
+    closed = simulate_walls(*walls, CONDITIONS)
     return closed, SimulatedJoint(walls, closed, CONDITIONS, 0.0, np.empty(0))
 
 

@@ -6,15 +6,8 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli.exports import porepy_files
-from jointclosure.joint.curves import (
-    closures_at,
-    round_levels,
-    secant_stiffness,
-    stress_levels,
-    table_levels,
-)
 from jointclosure.joint.cycles import net_responses
-from jointclosure.joint.history import GROSS, NET, history_of
+from jointclosure.joint.history import GROSS, NET, history_of, round_levels
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import (
     law_curves,
@@ -74,7 +67,7 @@ def test_stresses_of_a_table_are_round_up_to_the_stated_maximum():
 def test_stresses_of_the_table_of_a_halted_joint_end_where_it_halted():
     history = following("hyperbolic", *TRUE["hyperbolic"])
     halted = history.assign(normal_stress=0.5 * history.normal_stress)
-    assert 1e-6 * table_levels(halted)[-1] == 0.5 * LARGEST
+    assert 1e-6 * history_of(halted).table_levels()[-1] == 0.5 * LARGEST
 
 
 @pytest.mark.parametrize(("seating", "largest"), [(0.0, 7e6), (0.37e6, 12.3e6), (20.0, 450.0)])
@@ -92,7 +85,7 @@ def test_stresses_of_a_table_lie_on_one_round_interval(seating, largest):
 def test_the_stiffness_at_a_stress_does_not_depend_on_others_that_are_read(closed):
     name = "normal_stiffness_net_MPa_per_mm"
     usual = stress_table(closed).set_index(["cycle", "branch", "normal_stress_MPa"])[name]
-    named = table_levels(closed, [2e6, 2.3e6])
+    named = history_of(closed).table_levels([2e6, 2.3e6])
     for levels in (np.array([2e6]), np.array([2e6, 4e6]), named):
         table = stress_table(closed, levels).set_index(usual.index.names)[name]
         both = usual.index.intersection(table.index)
@@ -117,7 +110,7 @@ def test_steps_before_the_maximum_in_which_nothing_breaks_are_not_its_stiffness(
 def test_stiffness_rises_with_stress_however_the_closure_was_reached(closed):
     """Breakage makes its chords a saw; they keep their mean, and end where a landing begins."""
     for history in (closed, joint(cycles=1, breakage="resolved")):
-        table = stress_table(history, stress_levels(history, 60))
+        table = stress_table(history, history_of(history).stress_levels(60))
         for _, rows in table.groupby(["cycle", "branch"]):
             known = rows.dropna()
             stiffness, stress = known.normal_stiffness_net_MPa_per_mm, known.normal_stress_MPa
@@ -140,7 +133,7 @@ def test_a_loading_beyond_the_former_maximum_is_read_on_both_sides_of_it():
     whole, once = (joints.closed(walls, stress, **load) for stress in ([4e6, 0, 8e6], [4e6]))
     stiffness, alone = (net_responses(each)["stiffness_net"] for each in (whole, once))
     assert stiffness[0] == alone[0]  # from half of the maximum of its cycle, not of the joint
-    at = closures_at(whole, np.array([4e6, 8e6]))[1, 0]
+    at = history_of(whole).net.at(np.array([4e6, 8e6]))[1, 0]
     assert stiffness[1] == pytest.approx(4e6 / (at[1] - at[0]), rel=0.02)
     again = on(stress_table(whole), 2, "loading").set_index("normal_stress_MPa")
     kn = again.normal_stiffness_net_MPa_per_mm
@@ -160,13 +153,13 @@ def test_a_loading_beyond_the_former_maximum_is_read_on_both_sides_of_it():
 def test_a_secant_ends_where_the_landing_begins(closed, reading):
     """Net of bulk indentation no step is a whole one: the landing is that of the closure."""
     end = history_of(closed).landing_stresses[0]
-    closures = closures_at(closed, np.array([2e6, end, 5e6]), reading)[:, 0]
+    closures = history_of(closed).curve(reading).at(np.array([2e6, end, 5e6]))[:, 0]
     first = (end - 2e6) / (closures[0, 1] - closures[0, 0])
-    assert secant_stiffness(closed, 1, 2e6, 5e6, reading) == pytest.approx(first)
+    assert history_of(closed).curve(reading).secant_stiffness(1, 2e6, 5e6) == pytest.approx(first)
     assert first < (5e6 - 2e6) / (closures[0, 2] - closures[0, 0])
     second = (5e6 - 2e6) / (closures[1, 2] - closures[1, 0])
-    assert secant_stiffness(closed, 2, 2e6, 5e6, reading) == pytest.approx(second)
-    assert np.isnan(secant_stiffness(closed, 1, end, 5e6, reading))
+    assert history_of(closed).curve(reading).secant_stiffness(2, 2e6, 5e6) == pytest.approx(second)
+    assert np.isnan(history_of(closed).curve(reading).secant_stiffness(1, end, 5e6))
 
 
 def test_curves_agree_with_the_history(closed):
@@ -210,8 +203,8 @@ def test_softer_half_spaces_change_gross_columns_alone(closed):
         np.testing.assert_array_equal(curves[key][0], stress)
         np.testing.assert_allclose(curves[key][1], closure, rtol=1e-6, atol=1e-9)
     for cycle in (1, 2):
-        stiffness = secant_stiffness(closed, cycle, 2e6, 4e6)
-        assert secant_stiffness(softer, cycle, 2e6, 4e6) == pytest.approx(stiffness)
+        stiffness = history_of(closed).net.secant_stiffness(cycle, 2e6, 4e6)
+        assert history_of(softer).net.secant_stiffness(cycle, 2e6, 4e6) == pytest.approx(stiffness)
 
 
 def test_chords_before_a_landing_know_nothing_of_it(closed):
@@ -220,15 +213,15 @@ def test_chords_before_a_landing_know_nothing_of_it(closed):
     first = history_of(closed).branch(1, "loading").steps
     kept = first[closed.normal_stress.values[first] <= end]
     levels = np.linspace(0.9 * end, end, 4)
-    without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
-    np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
+    without = history_of(closed.isel(step=kept).assign_attrs(numerics="{}")).net.at(levels)
+    np.testing.assert_array_equal(history_of(closed).net.at(levels)[0, 0], without[0, 0])
 
 
 def test_bulk_indentation_and_laws_end_at_the_same_landing(closed):
     end = np.array([history_of(closed).landing_stresses[0]])
-    bulk = closures_at(closed, end, GROSS) - closures_at(closed, end, NET)
+    bulk = history_of(closed).gross.at(end) - history_of(closed).net.at(end)
     at_end = np.flatnonzero(closed.normal_stress.values == end)[0]
     assert bulk[0, 0, 0] == pytest.approx(closed.bulk_indentation.values[at_end])
     stress, fitted = law_curves(closed)[1, "loading"]
-    closures = closures_at(closed, 1e6 * stress[[0, -1]], NET)[0, 0]
+    closures = history_of(closed).net.at(1e6 * stress[[0, -1]])[0, 0]
     assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])

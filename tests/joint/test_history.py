@@ -12,9 +12,8 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint import cycles
-from jointclosure.joint.curves import closures_at, stress_levels, values_at_stresses
-from jointclosure.joint.cycles import cycle_closures, loop_between, net_responses, unloading_excess
-from jointclosure.joint.history import GROSS, history_of
+from jointclosure.joint.cycles import loop_between, net_responses, unloading_excess
+from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import crossing, rising_slopes
 from jointclosure.uncertainty.variants import coarser
 from tests.joints import SPACING, closed
@@ -46,15 +45,15 @@ def test_closures_are_read_on_each_branch_at_stresses_that_it_passed(tolerance):
     stress = [0.0, 1.0, 2.0 / (1.0 + 0.5 * tolerance), 1.0, 0.0, 1.0, 2.0, 0.0]
     levels = np.array([0.0, 1.0, 2.0])
     closed = history(closure, stress, [3, 2, 2, 1])
-    found = values_at_stresses(closed, closed.closure.values, 2, levels, tolerance)
+    found = history_of(closed).gross.where_reached(levels, 2, tolerance)
     np.testing.assert_allclose(found[0], [[0.0, 1.0, 2.0], [0.5, 1.5, 2.0]])
     np.testing.assert_allclose(found[1], [[0.5, 1.5, 2.5], [0.7, 1.6, 2.5]])
     partly = history([0.0, 2.0, 1.5, 3.0], [0.0, 4.0, 2.001, 6.0], [2, 1, 1])
     levels = np.array([1.0, 2.0, 3.0])
     fixed = partly.assign_attrs(numerics='{"breakage": "fixed_step"}')
-    found = values_at_stresses(fixed, partly.closure.values, 2, levels, 1e-3)
+    found = history_of(fixed).gross.where_reached(levels, 2, 1e-3)
     assert np.isnan([found[0, 1, 0], found[1, 0, 0]]).all()
-    found = values_at_stresses(partly, partly.closure.values, 2, levels, 1e-3)
+    found = history_of(partly).gross.where_reached(levels, 2, 1e-3)
     assert np.isnan([found[0, 1, 0], found[1, 0, 0]]).all()
     assert found[0, 1, 1] == found[1, 0, 1] == 1.5  # landed on within the tolerance
     assert np.isfinite(found[:, :, 2][[0, 0, 1], [0, 1, 0]]).all()
@@ -151,19 +150,19 @@ def test_closures_of_a_cycle_are_unknown_unless_it_was_unloaded_to_its_minimum()
     stress = [0.0, 2.0, 4.0, 2.0, 0.0, 4.0, 2.0]
     closed = lab_history(closure, stress, [3, 2, 1, 1], {"breakage": "resolved"})
     for minima, known in (([0.0, 0.0], [True, False]), ([0.0, 2.0], [True, True])):
-        found = cycle_closures(closed, GROSS, np.array(minima))
+        found = history_of(closed).gross.cycle_closures(np.array(minima))
         assert np.isfinite(found["max_closure"]).tolist() == known
         assert np.isfinite(found["residual_closure"]).tolist() == known
     # the second one begins below the seating stress, and ends above it
     assert np.isfinite(found["max_closure_seated"]).all()
     assert np.isnan(found["residual_closure_seated"][1])
-    assert history_of(closed.isel(step=slice(5, None))).seat(2, "loading") != 0.0
+    assert history_of(closed.isel(step=slice(5, None))).net.seat(2, "loading") != 0.0
     for breakage in ("resolved", "fixed_step"):
         above = lab_history(
             [0.0, 4.0, 3.0, 4.0], [0.0, 4.0, 2.0, 4.0], [2, 1, 1], {"breakage": breakage}
         )
-        assert np.isfinite(history_of(above).seat(1, "loading"))
-        assert np.isnan(history_of(above).seat(2, "loading"))  # begins at 2
+        assert np.isfinite(history_of(above).net.seat(1, "loading"))
+        assert np.isnan(history_of(above).net.seat(2, "loading"))  # begins at 2
 
 
 def test_a_cycle_that_was_not_completed_has_no_net_responses():
@@ -184,7 +183,7 @@ def closed_joint():
 
 def test_a_maximum_within_a_percent_of_a_level_counts_as_reaching_it():
     closed = lab_history([0.0, 2.0, 4.0, 3.0, 2.0], [0.0, 2.0, 4.0, 2.0, 0.0], [3, 2])
-    read = closures_at(closed, np.array([3.9, 4.0, 4.03, 4.05]), GROSS)
+    read = history_of(closed).gross.at(np.array([3.9, 4.0, 4.03, 4.05]))
     assert np.isfinite(read[0, :, :3]).all()
     np.testing.assert_array_equal(read[0, :, 2], read[0, :, 1])
     assert np.isnan(read[0, :, 3]).all()
@@ -192,8 +191,10 @@ def test_a_maximum_within_a_percent_of_a_level_counts_as_reaching_it():
 
 def test_stress_levels_of_a_cycle_end_at_its_maximum():
     other = lab_history([*range(6)], [0.0, 4.0, 0.0, 2.0, 0.0, 2.0], [2, 1, 1, 1, 1], maximum=4.0)
-    assert stress_levels(other, 4, 2)[-1] == 2.0
-    assert stress_levels(other, 4)[-1] == stress_levels(other, 4, 1)[-1] == 4.0
+    assert history_of(other).stress_levels(4, 2)[-1] == 2.0
+    assert (
+        history_of(other).stress_levels(4)[-1] == history_of(other).stress_levels(4, 1)[-1] == 4.0
+    )
 
 
 def test_a_loop_of_rounding_is_none():

@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint.conditions import RESOLVED, Conditions
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import check_effective, check_numerics, well_posed_scenes
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
 
@@ -49,7 +49,7 @@ def changed(numerics, change):
 def closed(effects, choices, numerics):
     """A joint in two cycles whose settings are not examined."""
     load = Conditions(SPACING, DOLERITE, 8e6, 2, 0.5e6)
-    return close_walls(
+    return simulate_walls(
         *pair(12), load._replace(effects=effects, choices=choices, numerics=numerics)
     )
 

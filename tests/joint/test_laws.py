@@ -13,7 +13,7 @@ from jointclosure.joint.laws import (
     fit_law,
     fitted_laws,
     laws_of_joint,
-    parameter,
+    loading_hyperbolas,
     scaled_to,
 )
 
@@ -59,8 +59,9 @@ TRUE = {
 @pytest.mark.parametrize("law", LAWS)
 def test_a_joint_that_follows_a_law_gives_its_parameters_back(law):
     fits = fitted_laws(following(law, *TRUE[law]))
-    for name, value in zip(LAWS[law].parameters, TRUE[law], strict=True):
-        assert parameter(fits, 1, "loading", name) == pytest.approx(value, rel=2e-3)
+    of_loading = fits[(fits.law == law) & (fits.branch == "loading") & (fits.cycle == 1)]
+    assert of_loading.parameter.tolist() == list(LAWS[law].parameters)
+    assert of_loading.value.tolist() == pytest.approx(TRUE[law], rel=2e-3)
     own = fits[(fits.law == law) & (fits.branch == "loading")].iloc[0]
     assert own.r_squared > 0.9999
     assert (own.holds_from_MPa, own.holds_to_MPa) == pytest.approx((SEATING, LARGEST), rel=1e-6)
@@ -104,9 +105,15 @@ def test_the_largest_closure_is_determined_up_to_ten_times_the_measured_one(rati
 
 
 def test_the_laws_of_a_straight_loading_have_a_stiffness_alone():
-    fits = fitted_laws(following("power", 0.01, 1.0))
-    assert np.isnan(parameter(fits, 1, "loading", "vm_mm"))
-    assert parameter(fits, 1, "loading", "kni_MPa_per_mm") == pytest.approx(100.0, rel=0.01)
+    kni, vm = loading_hyperbolas(following("power", 0.01, 1.0), [1]).loc[1]
+    assert np.isnan(vm)
+    assert kni == pytest.approx(100.0, rel=0.01)
+
+
+def test_the_hyperbola_of_a_loading_that_was_not_fitted_is_unknown():
+    known, unknown = loading_hyperbolas(following("hyperbolic", *TRUE["hyperbolic"]), [1, 7]).values
+    np.testing.assert_allclose(known, TRUE["hyperbolic"], rtol=2e-3)
+    assert np.isnan(unknown).all()
 
 
 def test_errors_of_a_laws_parameters_are_their_scatter():

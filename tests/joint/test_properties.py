@@ -9,7 +9,7 @@ import jointclosure as jc
 from jointclosure import oracle
 from jointclosure.ensembles.oracle_limits import tolerances_of
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.simulation import close_walls, height_datum
+from jointclosure.joint.simulation import height_datum, simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import well_posed_scenes
 from jointclosure.solvers.registry import solver_named
@@ -102,7 +102,7 @@ def closed(problem, cycles):
     given = [problem[name] for name in ("spacing", "rock", "effects", "choices")]
     tolerances = tolerances_of(problem["effects"], problem["numerics"])
     judge, stated = Judge(oracle.PristineJoint(*walls, *given), tolerances), dict(problem)
-    history = close_walls(
+    history = simulate_walls(
         *stated.pop("walls"),
         Conditions(**stated, seating_stress=0.0, cycles=cycles),
         solver_of=lambda name: JudgedSolver(solver_named(name), judge),

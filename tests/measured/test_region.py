@@ -9,8 +9,8 @@ import scipy.stats
 
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import closures_at
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.history import history_of
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.measured.agreement import about_share, intervals, quantities
 from jointclosure.measured.calibration import Readings, readings_of_curve
 from jointclosure.measured.closing import CHECKED, FINER, Later
@@ -46,15 +46,15 @@ def measured_curve(pair, shift=0, ratio=1.0, strength=STRENGTH, walls=None):
     rock = ROCK._replace(compressive_strength=strength)
     given = Conditions(SPACING, rock, STRESS, 1, SEATING, numerics=NUMERICS)
     walls = walls or (pair.upper, pair.lower)
-    once = close_walls(*walls, given)
+    once = simulate_walls(*walls, given)
     crushed = once.upper_final.values, once.lower_final.values
     width = crushed[0].shape[1] - shift
     seated, pristine = ((upper[:, shift:], lower[:, :width]) for upper, lower in (crushed, walls))
     weaker = given._replace(choices=jc.Choices(crushed_strength_ratio=ratio))
-    again = close_walls(*seated, weaker, pristine=pristine)
+    again = simulate_walls(*seated, weaker, pristine=pristine)
     stresses, parts = np.linspace(SEATING, STRESS, 13), []
     for cycle, joint in enumerate((once, again), start=1):
-        loading, unloading = closures_at(joint, stresses)[0]
+        loading, unloading = history_of(joint).net.at(stresses)[0]
         closure = np.concatenate([loading, unloading[::-1]]) - loading[0]
         stress = np.concatenate([stresses, stresses[::-1]])
         parts.append((stress, closure, np.full(stress.size, cycle)))
@@ -106,7 +106,7 @@ def test_the_numerical_error_is_that_of_nearest_joints_by_a_finer_tolerance(regi
         given = Conditions(SPACING, rock, STRESS, 1, SEATING, numerics=numerics)
         scans = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
         joints = [walls.pair(1 + STRENGTHS * k + j, 1.0, scans) for k in range(CHECKED)]
-        net = [closures_at(close_walls(*joint, given), ends) for joint in joints]
+        net = [history_of(simulate_walls(*joint, given)).net.at(ends) for joint in joints]
         closures.append(np.array([joint[0, 0, 1] - joint[0, 0, 0] for joint in net]))
     ratios = closures[0] / closures[1] - 1.0
     error = ratios.std(ddof=1) / np.sqrt(CHECKED)
@@ -205,11 +205,11 @@ def test_quantities_of_the_nearest_joints_contain_those_of_the_curve(seated_anew
 def one_loading(tmp_path_factory):
     """The region of the single loading of a joint with walls of a JRC."""
     stresses = np.linspace(SEATING, 1.5e6, 8)
-    joint = close_walls(
+    joint = simulate_walls(
         *jc.wall_pair(10.0, (12, 12), SPACING, 5, mismatch_wavelength=1e-3, roll_off=None),
         Conditions(SPACING, ROCK, 1.5e6, 1, SEATING, numerics=COARSE),
     )
-    loading = 1e3 * closures_at(joint, stresses)[0, 0]
+    loading = 1e3 * history_of(joint).net.at(stresses)[0, 0]
     path = tmp_path_factory.mktemp("one") / "curve.csv"
     table = {"stress_MPa": 1e-6 * stresses, "closure_mm": loading}
     pd.DataFrame(table).to_csv(path, index=False)

@@ -187,8 +187,8 @@ def small_joints_too(monkeypatch):
     monkeypatch.setattr(protocol, "_FEWEST_CONTACTS", 0)
 
 
-def idle_joint():
-    return joints.closed(pair(40, 1), 10e6, seating_stress=0.0, idle_interaction=0.05)
+def idle_joint(**stated):
+    return joints.closed(pair(40, 1), 10e6, seating_stress=0.0, idle_interaction=0.05, **stated)
 
 
 def test_interaction_is_left_out_of_the_beginning_of_the_first_loading_alone(small_joints_too):
@@ -200,6 +200,20 @@ def test_interaction_is_left_out_of_the_beginning_of_the_first_loading_alone(sma
     assert not indentation[: idle + 1].any()
     assert (indentation[idle + 1 :][loaded[idle + 1 :]] > 0.0).all()
     assert float(joint.equilibrium_residual.max()) <= jc.Numerics().force_tolerance
+
+
+def test_a_step_that_is_repeated_counts_once_as_idle(small_joints_too, monkeypatch):
+    """Resolved breakage repeats steps that were too long."""
+    repeated = []
+    must_repeat = protocol.must_repeat
+    monkeypatch.setattr(
+        protocol, "must_repeat", lambda *steps: repeated.append(must_repeat(*steps)) or repeated[-1]
+    )
+    joint = idle_joint(breakage="resolved", cycles=1, displacement_step=50e-6, breakage_step=5e-6)
+    loaded = joint.normal_stress.values > 0.0
+    without = loaded & (joint.bulk_indentation.values == 0.0)
+    assert any(repeated[: without.sum()])
+    assert int(joint.idle_steps) == without.sum() >= 3
 
 
 @pytest.mark.parametrize("solver", ["fast", "reference"])

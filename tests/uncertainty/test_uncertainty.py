@@ -12,7 +12,7 @@ from jointclosure.cli.results import summary
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.laws import laws_of_joint
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import ENDS, cycle_table, stress_table
 from jointclosure.plotting.joint import engineering_figure, range_figure
@@ -37,6 +37,7 @@ from jointclosure.uncertainty.variants import (
     random_shares,
     sources_of,
     threads_for,
+    uncertain_joint,
     uncertainty_budget,
     variants_of,
 )
@@ -57,12 +58,14 @@ NO_LAWS = laws_of_joint(2.0, 165e6, 0.2e6, 1)
 
 @functools.cache
 def budget_joint():
-    return close_walls(*pair((20, 24)), CONDITIONS)
+    return simulate_walls(*pair((20, 24)), CONDITIONS)
 
 
 @pytest.fixture(scope="module")
 def budget():
-    return uncertainty_budget(*pair((20, 24)), CONDITIONS, MODULI, workers=1)
+    return uncertainty_budget(
+        uncertain_joint(*pair((20, 24)), CONDITIONS.checked(), MODULI), workers=1
+    )
 
 
 def test_bands_with_other_choices_contain_those_of_nine_in_ten(budget):
@@ -454,7 +457,8 @@ def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
 
 
 def test_a_budget_is_the_same_by_any_number_of_workers(budget, small_joint):
-    again = uncertainty_budget(*small_joint, CONDITIONS, MODULI, workers=2)
+    joint = uncertain_joint(*small_joint, CONDITIONS.checked(), MODULI)
+    again = uncertainty_budget(joint, workers=2)
     pd.testing.assert_frame_equal(budget.results, again.results, check_exact=True)
     pd.testing.assert_frame_equal(budget.curves, again.curves, check_exact=True)
 
@@ -484,7 +488,8 @@ def test_a_budget_prints_its_ranges_with_its_sentences(budget):
 def test_a_joint_that_fails_has_unknown_results(small_joint):
     load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
     walls = [wall[:8, :8] for wall in small_joint]
-    budget = uncertainty_budget(*walls, CONDITIONS._replace(**load))
+    conditions = CONDITIONS._replace(**load).checked()
+    budget = uncertainty_budget(uncertain_joint(*walls, conditions))
     best = budget.results[budget.results.source == ""]
     assert (best.status >= FAILURE).all()
     assert best[CLOSURE].isna().all()
@@ -531,7 +536,7 @@ def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint
         ),
     }
     for variant, conditions in alone.items():
-        closed = close_walls(*small_joint, conditions.checked())
+        closed = simulate_walls(*small_joint, conditions.checked())
         assert results[variant] == cycle_table(closed)[CLOSURE].iloc[0]
     assert budget.omitted == ("registration", "poisson_ratio", "compressive_strength")
     low, high = budget.ranges.loc[(1, CLOSURE), ["low", "high"]]
@@ -568,12 +573,12 @@ def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
     none = np.zeros(small_joint[0].shape, bool)
     covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
     errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
-    sources = sources_of(CONDITIONS, none.shape, {}, errors)
-    variants = list(variants_of(CONDITIONS, sources))
-    assert len(variants) == 30
-    walls = [v.walls(*small_joint, errors)[0] for v in variants if v.source == ALL and v.step == 1]
+    joint = uncertain_joint(*small_joint, CONDITIONS.checked(), {}, errors)
+    assert len(joint.variants) == 30
+    drawn = [v for v in joint.variants if v.source == ALL and v.step == 1]
+    walls = [v.walls(*small_joint, errors)[0] for v in drawn]
     assert len({wall.tobytes() for wall in walls}) == len(walls)
-    budget = uncertainty_budget(*small_joint, CONDITIONS, errors=errors)
+    budget = uncertainty_budget(joint)
     assert "registration" not in budget.omitted
     assert (budget.ranges.loc[(1, CLOSURE), ["registration", "noise", ORDER]] >= 0.0).all()
 

@@ -20,11 +20,10 @@ import pandas as pd
 
 from jointclosure.assessment.effect_names import lacks_effects, without
 from jointclosure.compilation.sources import code_digest
-from jointclosure.ensembles.joints import Reading, close_joint
+from jointclosure.ensembles.joints import Reading, simulate_row
 from jointclosure.execution.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
-    RESOLVED,
     Changes,
     Conditions,
     conditions_from,
@@ -33,7 +32,7 @@ from jointclosure.joint.conditions import (
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
-from jointclosure.parameters import Numerics
+from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
@@ -481,7 +480,7 @@ def closures_of(
         if line.endswith("}}"):  # another one was cut off
             entry = json.loads(line)
             kept[entry["key"]] = entry["row"]
-    code = code_digest("jointclosure.ensembles.joints:close_joint")
+    code = code_digest("jointclosure.ensembles.joints:simulate_row")
     walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
     keys = {(v, j, copy): digest(code, walls[j], copy, variants[v]) for v, j, copy in tasks}
     missing = [task for task in tasks if keys[task] not in kept]
@@ -494,7 +493,7 @@ def closures_of(
     ]
     for kernel in kernels_of({variants[name].model for name, *_ in missing}):
         compile_kernels(*kernel)  # before processes need them, and no part of a measured time
-    for done, (at, row) in enumerate(shared(close_joint, asked, processes), start=1):
+    for done, (at, row) in enumerate(shared(simulate_row, asked, processes), start=1):
         name = missing[at][0]
         key = keys[missing[at]]
         if isinstance(row, Failed):

@@ -14,7 +14,8 @@ from typing import Any
 from jointclosure.assessment.assess import assess, check_request
 from jointclosure.cli import options, results
 from jointclosure.execution.progress import bar
-from jointclosure.joint.conditions import RESOLVED, Conditions
+from jointclosure.joint.conditions import Conditions
+from jointclosure.parameters import RESOLVED
 from jointclosure.walls.wall_files import registered_walls
 
 

@@ -21,9 +21,9 @@ from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import duration
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
-from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.rocks import rock_record
 from jointclosure.joint.tables import cycle_table
+from jointclosure.parameters import RESOLVED
 from jointclosure.parameters.units import to_si
 from jointclosure.uncertainty.scanned_joint import ClosedJoint, close
 from jointclosure.uncertainty.variants import VARIED

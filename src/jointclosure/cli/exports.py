@@ -11,13 +11,12 @@ import xarray as xr
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError
-from jointclosure.joint.curves import table_levels
 from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
-from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import ONLY_BOUNDS, curve_table, cycle_table, members
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS
+from jointclosure.joint.tables import curve_table, cycle_table, members
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -83,7 +82,7 @@ def export_files(
 
 def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of loadings whose closure is known, without further named stresses."""
-    usual = curves.normal_stress_MPa.isin(table_levels(joint) / 1e6)
+    usual = curves.normal_stress_MPa.isin(history_of(joint).table_levels() / 1e6)
     loading = curves[usual & (curves.branch == LOADING)]
     return loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
 
@@ -177,7 +176,7 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             f"{program}: the loading of cycle {cycle} goes beyond its former maximum, "
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
-    aperture = 1e3 * history.seat(cycle, LOADING, "mean_aperture")
+    aperture = 1e3 * history.curve("mean_aperture").seat(cycle, LOADING)
     stress, closure = law_curves(joint)[cycle, LOADING]
     found = {}
     for of_band, rows in loadings.items():

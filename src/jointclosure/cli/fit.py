@@ -15,8 +15,8 @@ The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; oth
 import argparse
 
 from jointclosure.cli import options, results
-from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.fit import fit
+from jointclosure.parameters import RESOLVED
 
 
 def declare(command: argparse.ArgumentParser) -> None:

@@ -14,11 +14,9 @@ from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
-from jointclosure.joint.status import FAILURE, LOADING, STATUSES
+from jointclosure.joint.status import FAILURE, LOADING, ONLY_BOUNDS, STATUSES
 from jointclosure.joint.tables import (
     HYDRAULIC,
-    ONLY_BOUNDS,
-    flow_statuses,
     has_bands,
     members,
     wider_members,
@@ -267,8 +265,9 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
     from jointclosure.joint.flow import LARGEST_IMBALANCE  # loads scipy's sparse matrices
 
     remarks = []
-    statuses = flow_statuses(closed)
-    for cycle in history_of(closed).cycles:
+    history = history_of(closed)
+    statuses = history.flow_statuses
+    for cycle in history.cycles:
         parts = []
         for step in cycle.unloading.steps[:1]:
             for along, status in zip(closed.direction.values, statuses[step], strict=True):

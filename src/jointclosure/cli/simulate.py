@@ -23,7 +23,7 @@ from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import closing_bar, duration
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, check_named_stresses, conditions_from
-from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
 from jointclosure.joint.tables import stress_table
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
     cycles = conditions.cycle_count
     seating = closed.attrs["seating_stress_Pa"]
     laws = laws_of_joint(jrc, strength, seating, cycles, **lengths)
-    curves = stress_table(closed, table_levels(closed, arguments.at))
+    curves = stress_table(closed, history_of(closed).table_levels(arguments.at))
     print(results.summary(closed, laws, curves, at=arguments.at)[0])
     status, *remedies = results.status_lines(closed)
     print(f"{status}; {duration(time.perf_counter() - start)}", *remedies, sep="\n")

@@ -16,7 +16,7 @@ from jointclosure.execution.workers import Failed, ProcessLostError, number_of_w
 from jointclosure.inputs import InputError, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.plausibility import doubts
@@ -46,11 +46,11 @@ def simulated_joint(
     """
     pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
     start = time.process_time()
-    closed = close_walls(*pair, conditions, snapshots=tuple(snapshots), pristine=pristine)
+    closed = simulate_walls(*pair, conditions, snapshots=tuple(snapshots), pristine=pristine)
     return SimulatedJoint(pair, closed, conditions, time.process_time() - start, stresses)
 
 
-def close_joint(walls: Walls | CrushedWalls, reading: Reading) -> Row:
+def simulate_row(walls: Walls | CrushedWalls, reading: Reading) -> Row:
     """Simulate the joint of two walls (y, x) [m], and read its quantities."""
     judged = "oracle_ratio" in reading.names
     conditions = reading.conditions
@@ -176,9 +176,9 @@ def _rows(
     """Return rows of all joints; joints whose process was lost are tried once more."""
     rows = pairs.copy()
 
-    def close(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
+    def simulate(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
         tasks = [(pairs[place], reading) for place in places]
-        for done, (at, row) in enumerate(shared(close_joint, tasks, workers), start=1):
+        for done, (at, row) in enumerate(shared(simulate_row, tasks, workers), start=1):
             rows[places[at]] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
 
@@ -187,12 +187,12 @@ def _rows(
 
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
     with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
-        close(valid, workers, show)
+        simulate(valid, workers, show)
         if lost := failed(ProcessLostError):
             again = f"simulating again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}"
             warnings.warn(again, stacklevel=3)
             # fewer at a time, because the usual reason is lack of memory; never in this process
-            close(lost, min(workers, 2), show)
+            simulate(lost, min(workers, 2), show)
     if 0 < len(without := failed(Exception)) < len(rows):
         warnings.warn(
             f"{len(without)} of {len(rows)} joints could not be simulated and are NaN: seeds "

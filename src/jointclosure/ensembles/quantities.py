@@ -113,7 +113,8 @@ def _loop(joint: SimulatedJoint) -> np.ndarray:
 
 def _aperture_at_seating(joint: SimulatedJoint) -> np.ndarray:
     cycles = range(1, joint.conditions.cycle_count + 1)
-    return np.array([joint.history.seat(cycle, LOADING, "mean_aperture") for cycle in cycles])
+    aperture = joint.history.curve("mean_aperture")
+    return np.array([aperture.seat(cycle, LOADING) for cycle in cycles])
 
 
 def _volume_error(joint: SimulatedJoint) -> float:
@@ -220,11 +221,11 @@ QUANTITIES: dict[str, Quantity] = {
         "mean aperture at seating", "m", CYCLE, _aperture_at_seating, r"a_\mathrm{s}"),
     "mean_aperture_at_max": Quantity(
         "mean aperture at the maximum stress", "m", CYCLE,
-        lambda joint: joint.history.at_maxima("mean_aperture"),
+        lambda joint: joint.history.curve("mean_aperture").at_maxima,
         r"a_\mathrm{max}"),
     "contact_at_max": Quantity(
         "share of cells in contact at the maximum stress", "1", CYCLE,
-        lambda joint: joint.history.at_maxima("contact_fraction"), r"A_\mathrm{c}"),
+        lambda joint: joint.history.curve("contact_fraction").at_maxima, r"A_\mathrm{c}"),
     "loop": Quantity(
         "closure of unloading less that of loading, at half of the maximum stress", "m", CYCLE,
         _loop, r"x_\mathrm{loop}"),
@@ -241,7 +242,7 @@ QUANTITIES: dict[str, Quantity] = {
     "contacts_at_max": Quantity(
         "largest number of cells in contact at the maximum stress", "1", (),
         lambda joint: float(
-            np.nanmax(joint.history.at_maxima("contact_fraction")) * joint.walls[0].size)),
+            np.nanmax(joint.history.curve("contact_fraction").at_maxima) * joint.walls[0].size)),
     "broken_share": Quantity(
         "share of the cells of both walls that broke", "1", (),
         lambda joint: float(np.mean(np.subtract(joint.walls, joint.final) > _ROUNDING))),

@@ -8,11 +8,9 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import values_at_stresses
 from jointclosure.joint.cycles import net_responses
 from jointclosure.joint.history import History, history_of
-from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.joint.status import LOADING
+from jointclosure.joint.laws import loading_hyperbolas
 from jointclosure.walls import Walls
 
 
@@ -53,13 +51,12 @@ class SimulatedJoint:
         """Return values of steps (steps,) at stresses [Pa], over (cycle, branch, stress)."""
         tolerance = self.conditions.numerics.stress_tolerance
         cycles = self.conditions.cycle_count
-        return values_at_stresses(self.closed, values, cycles, stresses, tolerance)
+        return self.history.curve(values).where_reached(stresses, cycles, tolerance)
 
     def hyperbola(self, name: str) -> np.ndarray:
-        """Return a parameter (cycles,) of the hyperbolic law of each loading (`fitted_laws`)."""
-        cycles = range(1, self.closed.max_closure.size + 1)
-        return np.array([parameter(self._laws, cycle, LOADING, name) for cycle in cycles])
+        """Return a parameter (cycles,) of the hyperbolic law of each loading."""
+        return self._hyperbolas[name].to_numpy()
 
     @cached_property
-    def _laws(self) -> pd.DataFrame:
-        return fitted_laws(self.closed)
+    def _hyperbolas(self) -> pd.DataFrame:
+        return loading_hyperbolas(self.closed, range(1, self.closed.max_closure.size + 1))

@@ -34,7 +34,7 @@ _VARIABLES = {
     "newton_steps": ("1", "steps of Newton's method"),
     "breakage_steps": ("1", "breakage steps taken"),
     "replayed_cycles": ("1", "cycles that are the unloading curve of the one before"),
-    "idle_steps": ("1", "steps of the first loading without interaction, as it was idle"),
+    "idle_steps": ("1", "accepted steps of the first loading without interaction, as it was idle"),
     "idle_displacement": ("1", "largest displacement of a contact left out so, over closure"),
     "locked_contacts": ("1", "largest number of locked contacts at a step"),
     "solver_iterations": ("1", "products with the interaction, or sweeps (reference)"),

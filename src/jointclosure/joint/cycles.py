@@ -6,37 +6,11 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from jointclosure.joint.curves import secant_stiffness
-from jointclosure.joint.history import NET, Branch, History, history_of
-from jointclosure.joint.status import LOADING, UNLOADING
+from jointclosure.joint.history import Branch, History, history_of
 
 CHORD_START = 0.5
 """Stress at which the chord of the net stiffness starts, over the maximum of the cycle."""
 _LOOP_ROUNDING = 1e-12  # difference of closures over that of loading, up to which it is rounding
-
-
-def cycle_closures(
-    joint: xr.Dataset, of: str = NET, minima: np.ndarray | None = None
-) -> dict[str, np.ndarray]:
-    """Compute the maximum and residual closures of each cycle (cycles,) [m], by name.
-
-    They are NaN in a cycle that was not unloaded to its minimum in ``minima`` (cycles,) [Pa]; by
-    default any unloading will do.
-    """
-    history = history_of(joint)
-    closure = history.along(of)
-    minima = np.full(history.begun, np.inf) if minima is None else minima
-    names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
-    closures = {name: np.full(len(minima), np.nan) for name in names}
-    for index, cycle in history.unloaded_cycles(minima):
-        seat = history.seat(cycle.number, LOADING, of)
-        back = history.seat(cycle.number, UNLOADING, of)
-        maximum = closure[cycle.loading.steps[-1]]
-        closures["max_closure"][index] = maximum - closure[cycle.loading.steps[0]]
-        closures["residual_closure"][index] = closure[cycle.unloading.steps[-1]]
-        closures["max_closure_seated"][index] = maximum - seat
-        closures["residual_closure_seated"][index] = back - seat
-    return closures
 
 
 def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
@@ -53,7 +27,7 @@ def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
 
 def _excess(history: History, loading: Branch, unloading: Branch) -> float:
     """Return the largest excess [Pa] of an unloading over its loading at equal closure."""
-    closure = history.gross
+    closure = history.gross.values
     stress = history.stress
     # keep the last of several steps at one closure
     at, last = np.unique(closure[loading.steps][::-1], return_index=True)
@@ -86,7 +60,7 @@ def hysteresis(joint: xr.Dataset) -> np.ndarray:
 
 def _work(history: History, branch: Branch) -> float:
     """Return the integral [J/m2] of the stress of a branch over the gross closure."""
-    return np.trapezoid(history.stress[branch.steps], history.gross[branch.steps])
+    return np.trapezoid(history.stress[branch.steps], history.gross.values[branch.steps])
 
 
 def loop_between(loading: Any, unloading: Any) -> Any:
@@ -103,7 +77,7 @@ def net_responses(joint: xr.Dataset) -> dict[str, np.ndarray]:
     a cycle that was not completed are NaN.
     """
     history = history_of(joint)
-    closures = cycle_closures(joint)
+    closures = history.net.cycle_closures()
     responses = {
         f"{name}_net": closures[name]
         for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
@@ -111,7 +85,7 @@ def net_responses(joint: xr.Dataset) -> dict[str, np.ndarray]:
     stiffness = []
     for cycle, maximum in zip(history.cycles, history.maxima, strict=True):
         start = max(CHORD_START * maximum, history.former_maxima[cycle.number - 1])
-        stiffness.append(secant_stiffness(joint, cycle.number, start, maximum))
+        stiffness.append(history.net.secant_stiffness(cycle.number, start, maximum))
     responses["stiffness_net"] = np.array(stiffness)
     responses["landing_stress"] = history.landing_stresses
     completed = np.isfinite(joint.max_closure.values)

@@ -1,11 +1,13 @@
-"""Load history of a joint, read once from its Dataset: cycles, branches, turning points, closures.
+"""Load history of a joint, read once from its Dataset: cycles, branches, curves over stress.
 
 `history_of(joint)` is a view of a Dataset of `simulate` or `close`. It is an accessor of xarray,
-which makes it once for each Dataset. All values are in SI units.
+which makes it once for each Dataset. Tables, laws, figures and files read a joint by it alone: by
+its cycles and branches, and by its curves, such as ``history.net.at(stresses)``. All values are in
+SI units.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, cast
@@ -13,8 +15,8 @@ from typing import Any, cast
 import numpy as np
 import xarray as xr
 
-from jointclosure.joint.interpolation import crossing, cubic_over
-from jointclosure.joint.status import LOADING, UNLOADING
+from jointclosure.joint.interpolation import crossing, cubic_over, rising_slopes
+from jointclosure.joint.status import FLOW_STATUSES, LOADING, UNLOADING
 
 NET = "closure_net"
 """Net closure, as laboratories report it: without the displacement of the half-spaces under the
@@ -29,6 +31,15 @@ _WHOLE_STEP = 0.999
 _LANDING_TOLERANCES = 3.0
 """Number of stress tolerances within which two maxima count as equal: each of the two is reached
 to within one tolerance, and one is added for rounding."""
+LEVELS = 20
+"""Largest number of stress intervals in a table, from seating to the maximum."""
+_ROUND_DIGITS = 1.0, 2.0, 2.5, 5.0, 10.0  # first digits of a round interval of stress
+_APART = 0.25  # least distance of a round stress from the ends of a table, over the interval
+POINTS = 60
+"""Intervals of stress by which the slope of a curve is computed."""
+_NEARLY = 1.01
+"""A stress counts as reached by a branch up to this times the branch's largest stress, which is
+within the tolerance of a stated maximum."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +74,7 @@ class Cycle:
         return self.loading if name == LOADING else self.unloading
 
 
-@xr.register_dataset_accessor(_ACCESSOR)
+@xr.register_dataset_accessor(_ACCESSOR)  # type: ignore[no-untyped-call]
 class History:
     """Cycles, branches and closures of a simulated joint, from its Dataset."""
 
@@ -76,14 +87,27 @@ class History:
         return self.joint.normal_stress.values
 
     @cached_property
-    def gross(self) -> np.ndarray:
-        """Gross closure (steps,) from first touch [m]."""
-        return self.joint.closure.values
+    def gross(self) -> "Curve":
+        """Gross closure from first touch [m]."""
+        return Curve(self, self.joint.closure.values)
 
     @cached_property
-    def net(self) -> np.ndarray:
-        """Net closure (steps,) from first touch [m]."""
-        return self.joint.closure.values - self.joint.bulk_indentation.values
+    def net(self) -> "Curve":
+        """Net closure from first touch [m]."""
+        return Curve(self, self.joint.closure.values - self.joint.bulk_indentation.values)
+
+    @property
+    def closures(self) -> dict[str, "Curve"]:
+        """Net and gross closure, by the words for them in names of columns."""
+        return {kind: self.curve(of) for kind, of in KINDS.items()}
+
+    def curve(self, of: str | np.ndarray) -> "Curve":
+        """Return the curve of a variable of steps by its name, or of values (steps,)."""
+        if isinstance(of, np.ndarray):
+            return Curve(self, of)
+        if of == NET:
+            return self.net
+        return self.gross if of == GROSS else Curve(self, self.joint[of].values)
 
     @cached_property
     def load_cycle(self) -> np.ndarray:
@@ -161,13 +185,24 @@ class History:
         """Nominal area [m2]."""
         return self.spacing**2 * self.joint.sizes["y"] * self.joint.sizes["x"]
 
-    def along(self, of: str | np.ndarray = NET) -> np.ndarray:
-        """Return a variable by name, or values that are given, at each step (steps,)."""
-        if isinstance(of, np.ndarray):
-            return of
-        if of == NET:
-            return self.net
-        return self.joint[of].values
+    @cached_property
+    def flow_statuses(self) -> np.ndarray:
+        """Status of the flow in words (steps, directions), for a joint that `has_flow`."""
+        words = np.array(self.joint.flow_status.attrs["flag_meanings"].split(), dtype=object)
+        return words[self.joint.flow_status.values.astype(int)]
+
+    def flow_status_at(self, levels: np.ndarray) -> np.ndarray:
+        """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
+
+        It is the one by which least is known, along both directions and at the steps on both sides
+        of the stress; "" where the stress is not reached.
+        """
+        rank = np.vectorize(FLOW_STATUSES.index)(self.flow_statuses).max(axis=1)
+        ranks = np.zeros((self.begun, 2, levels.size), dtype=int)
+        for least in range(1, len(FLOW_STATUSES)):
+            ranks += self.curve((rank >= least).astype(float)).at(levels) > 0.0
+        reached = np.isfinite(self.curve(np.zeros(rank.size)).at(levels))
+        return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
 
     def branch(self, cycle: int, name: str) -> Branch:
         """Return a branch of a cycle by its number and name; without steps if it was not begun."""
@@ -192,43 +227,6 @@ class History:
             if whole and self.stress[cycle.unloading.steps[-1]] <= minimum:
                 yield index, cycle
 
-    def read(self, branch: Branch, values: np.ndarray, levels: np.ndarray) -> np.ndarray:
-        """Read values (steps,) where the stress of a branch first reaches levels (n,) [Pa], or NaN.
-
-        They are linear between the paper's fixed steps, else a monotone cubic.
-        """
-        stress = self.stress[branch.steps]
-        known = values[branch.steps]
-        if self.by_fixed_steps:
-            return np.array([crossing(stress, known, level, branch.name) for level in levels])
-        if branch.name == UNLOADING:
-            stress = stress[::-1]
-            known = known[::-1]
-        return cubic_over(stress, known)(levels)
-
-    def seat(self, cycle: int, name: str, of: str | np.ndarray = NET) -> float:
-        """Read the net closure [m], or the variable ``of``, at the seating stress of a branch.
-
-        It is NaN where the branch does not reach down to the seating stress.
-        """
-        branch = self.branch(cycle, name)
-        if not branch.steps.size or self.stress[branch.steps].min() > self.seating_stress:
-            return float("nan")
-        return float(self.read(branch, self.along(of), np.array([self.seating_stress]))[0])
-
-    def seats(self, name: str = LOADING, of: str | np.ndarray = NET) -> np.ndarray:
-        """Read the net closure [m], or the variable ``of``, at seating of each cycle (cycles,)."""
-        return np.array([self.seat(cycle.number, name, of) for cycle in self.cycles])
-
-    def at_maxima(self, of: str | np.ndarray) -> np.ndarray:
-        """Return a variable, or values of steps, at the maximum of each cycle (cycles,).
-
-        It is NaN in a cycle that was not unloaded.
-        """
-        values = self.along(of)
-        steps = [next(iter(cycle.unloading.steps), -1) for cycle in self.cycles]
-        return np.where(np.array(steps) < 0, np.nan, values[steps])
-
     @cached_property
     def landing_stresses(self) -> np.ndarray:
         """Stress (cycles,) [Pa] at the end of the last whole step of each loading.
@@ -251,15 +249,219 @@ class History:
         if not loading.exists or self.stress[loading.steps].max() <= former * within:
             return np.inf
         step = "displacement_step" if cycle.number == 1 else "later_displacement_step"
-        rises = np.diff(self.gross[loading.steps])
+        rises = np.diff(self.gross.values[loading.steps])
         whole = np.flatnonzero(rises >= _WHOLE_STEP * self.numerics[step])
         after = whole[-1] + 1 if whole.size else 0
         return float(self.stress[loading.steps][after])
+
+    def stress_levels(self, count: int = LEVELS, cycle: int | None = None) -> np.ndarray:
+        """Return ``count`` evenly spaced stresses [Pa] from the seating to the largest stress.
+
+        The largest stress is that of the joint, or that of a ``cycle`` if this is clearly smaller.
+        A seating stress of 0 is left out.
+        """
+        seating = self.seating_stress
+        largest = float(self.stress.max())
+        if cycle is not None:
+            reached = float(self.stress[self.load_cycle == cycle].max())
+            largest = largest if largest <= _NEARLY * reached else reached
+        if seating == 0.0:  # no result is read at zero stress
+            return np.linspace(seating, largest, count + 1)[1:]
+        return np.linspace(seating, largest, count)
+
+    def table_levels(self, at: Sequence[float] = ()) -> np.ndarray:
+        """Return the stresses (levels,) [Pa] of `stress_table`.
+
+        They are round stresses from the seating stress to the stated maximum, the maximum of every
+        cycle, and the stresses ``at``. If the joint did not reach the stated maximum, its largest
+        stress stands in place of it.
+        """
+        reached = float(self.stress.max())
+        stated = float(self.maxima.max())
+        largest = stated if stated <= _NEARLY * reached else reached
+        if not largest > self.seating_stress:
+            return np.union1d([largest], at)
+        maxima = self.maxima[self.maxima <= largest]
+        levels = np.union1d(round_levels(self.seating_stress, largest), maxima)
+        return np.union1d(levels, at)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A variable of steps, such as a closure [m], over the stress of the branches of a history.
+
+    ``values`` are (steps,).
+    """
+
+    history: History
+    values: np.ndarray
+
+    def read(self, branch: Branch, levels: np.ndarray) -> np.ndarray:
+        """Read the values where the stress of a branch first reaches levels (n,) [Pa], or NaN.
+
+        They are linear between the paper's fixed steps, else a monotone cubic.
+        """
+        stress = self.history.stress[branch.steps]
+        known = self.values[branch.steps]
+        if self.history.by_fixed_steps:
+            return np.array([crossing(stress, known, level, branch.name) for level in levels])
+        if branch.name == UNLOADING:
+            stress = stress[::-1]
+            known = known[::-1]
+        return cubic_over(stress, known)(levels)
+
+    def seat(self, cycle: int, name: str) -> float:
+        """Read the value at the seating stress of a branch by its cycle and name.
+
+        It is NaN where the branch does not reach down to the seating stress.
+        """
+        history = self.history
+        branch = history.branch(cycle, name)
+        if not branch.steps.size or history.stress[branch.steps].min() > history.seating_stress:
+            return float("nan")
+        return float(self.read(branch, np.array([history.seating_stress]))[0])
+
+    @property
+    def seats(self) -> np.ndarray:
+        """Values at the seating stress of the loading of each cycle (cycles,)."""
+        return np.array([self.seat(cycle.number, LOADING) for cycle in self.history.cycles])
+
+    @property
+    def at_maxima(self) -> np.ndarray:
+        """Values at the maximum of each cycle (cycles,), NaN in one that was not unloaded."""
+        steps = [next(iter(cycle.unloading.steps), -1) for cycle in self.history.cycles]
+        return np.where(np.array(steps) < 0, np.nan, self.values[steps])
+
+    def where_reached(self, levels: np.ndarray, cycles: int, tolerance: float = 0.0) -> np.ndarray:
+        """Read the values where branches first reach stresses (levels,) [Pa], as `read`.
+
+        The result (cycles, 2, levels) is NaN at stresses that a branch does not have. A stress
+        beyond the end of a branch by at most the relative ``tolerance`` is read at that end.
+        """
+        answer = np.full((cycles, 2, levels.size), np.nan)
+        near = 1.0 + 1.01 * tolerance
+        for place, branch in self.history.existing_branches():
+            stress = self.history.stress[branch.steps]
+            maximum = stress.max()
+            minimum = stress.min()
+            read = np.where((levels < minimum) & (minimum <= levels * near), minimum, levels)
+            read = np.where((maximum < read) & (read <= maximum * near), maximum, read)
+            asked = read >= minimum
+            answer[(*place, asked)] = self.read(branch, read[asked])
+        return answer
+
+    def at(self, levels: np.ndarray) -> np.ndarray:
+        """Read the values (cycles, 2, levels) on loading and unloading at stresses (levels,) [Pa].
+
+        They are of monotone cubics, one up to the landing of a loading and one beyond. Stresses
+        that a branch does not reach are NaN.
+        """
+        history = self.history
+        read = np.full((history.begun, 2, levels.size), np.nan)
+        for (index, side), branch in history.existing_branches():
+            loads = branch.name == LOADING
+            steps = branch.steps if loads else branch.steps[::-1]
+            stress = history.stress[steps]
+            values = self.values[steps]
+            largest = float(stress.max())
+            reached = np.where((levels > largest) & (levels <= _NEARLY * largest), largest, levels)
+            end = history.landing_stresses[index] if loads else np.inf
+            for known, asked in ((stress <= end, reached <= end), (stress >= end, reached > end)):
+                if known.any():
+                    cubic = cubic_over(stress[known], values[known])
+                    read[index, side, asked] = cubic(reached[asked])
+        return read
+
+    def secant_stiffness(self, cycle: int, low: float, high: float) -> float:
+        """Compute the normal stiffness [Pa/m] of a loading by the chord between stresses [Pa].
+
+        The curve is that of a closure. The chord ends at most at the largest stress of the loading
+        and at its landing stress. NaN if nothing is left of it, or if the closure does not rise.
+        """
+        history = self.history
+        loading = history.branch(cycle, LOADING)
+        if not loading.exists:
+            return np.nan
+        reached = float(history.stress[loading.steps].max())
+        levels = np.array([low, min(high, reached, history.landing_stresses[cycle - 1])])
+        rise = float(np.diff(self.at(levels)[cycle - 1, 0])[0])
+        return float(np.diff(levels)[0]) / rise if levels[1] > low and rise > 0.0 else np.nan
+
+    def normal_stiffness(self, levels: np.ndarray) -> np.ndarray:
+        """Compute the normal stiffness (cycles, 2, levels) [Pa/m] at stresses (levels,) [Pa].
+
+        The curve is that of a closure, whose slope itself goes up and down where contacts break.
+        The stiffness is therefore that of the concave curve nearest to the closure over stress,
+        and rises with stress. There is one such curve below the former maximum of a cycle, and
+        another above it.
+        """
+        history = self.history
+        fine = self._slope_levels(levels)
+        closures = self.at(fine)
+        stiffness = np.full((*closures.shape[:2], levels.size), np.nan)
+        for (index, side), branch in history.existing_branches():
+            closure = closures[index, side]
+            loads = branch.name == LOADING
+            end = history.landing_stresses[index] if loads else np.inf
+            former = history.former_maxima[index] if loads else 0.0
+            for part in (fine <= former, fine >= former):
+                known = part & np.isfinite(closure) & (fine <= end)
+                if known.sum() > 2:
+                    inside = (levels >= fine[known][0]) & (levels <= fine[known][-1])
+                    slopes = rising_slopes(fine[known], closure[known], levels[inside])
+                    stiffness[index, side, inside] = slopes
+        return stiffness
+
+    def _slope_levels(self, levels: np.ndarray) -> np.ndarray:
+        """Return the stresses [Pa] between which slopes are computed.
+
+        They are evenly spaced over the range of the table, with the former maxima, where the slope
+        changes, and those of the given levels that lie beyond that range.
+        """
+        first, last = self.history.table_levels()[[0, -1]]
+        formers = self.history.former_maxima
+        turns = formers[(formers > first) & (formers < last)]
+        fine = np.union1d(np.linspace(first, last, POINTS + 1), turns)
+        return np.union1d(fine, levels[(levels < first) | (levels > last)])
+
+    def cycle_closures(self, minima: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """Compute the maximum and residual closures of each cycle (cycles,) [m], by name.
+
+        The curve is that of a closure. They are NaN in a cycle that was not unloaded to its minimum
+        in ``minima`` (cycles,) [Pa]; by default any unloading will do.
+        """
+        closure = self.values
+        minima = np.full(self.history.begun, np.inf) if minima is None else minima
+        names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
+        closures = {name: np.full(len(minima), np.nan) for name in names}
+        for index, cycle in self.history.unloaded_cycles(minima):
+            seat = self.seat(cycle.number, LOADING)
+            back = self.seat(cycle.number, UNLOADING)
+            maximum = closure[cycle.loading.steps[-1]]
+            closures["max_closure"][index] = maximum - closure[cycle.loading.steps[0]]
+            closures["residual_closure"][index] = closure[cycle.unloading.steps[-1]]
+            closures["max_closure_seated"][index] = maximum - seat
+            closures["residual_closure_seated"][index] = back - seat
+        return closures
 
 
 def history_of(joint: xr.Dataset) -> History:
     """Return the load history of a Dataset of `simulate` or `close`, made once for each Dataset."""
     return cast(History, getattr(joint, _ACCESSOR))
+
+
+def round_levels(low: float, high: float) -> np.ndarray:
+    """Return two stresses [Pa] and the multiples of a round interval between them.
+
+    A low stress of 0 is left out. There are at most `LEVELS` intervals.
+    """
+    least = (high - low) / LEVELS
+    power = 10.0 ** np.floor(np.log10(least))
+    sizes = (digits * power for digits in _ROUND_DIGITS)
+    interval = next(size for size in sizes if size >= (1.0 - 1e-9) * least)
+    inner = interval * np.arange(np.floor(low / interval) + 1.0, np.ceil(high / interval))
+    inner = inner[np.minimum(inner - low, high - inner) > _APART * interval]
+    return np.array([low, *inner, high] if low > 0.0 else [*inner, high])
 
 
 def with_snapshots(joint: xr.Dataset, stresses: Any) -> xr.Dataset:

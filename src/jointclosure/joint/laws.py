@@ -7,7 +7,7 @@ Barton and Bandis for mated joints is there for comparison; it is not measured d
 """
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,6 @@ import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError, check_length
-from jointclosure.joint.curves import closures_at, stress_levels
 from jointclosure.joint.history import history_of
 from jointclosure.joint.status import BRANCHES, LOADING
 
@@ -91,8 +90,8 @@ def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.
     history = history_of(joint)
     read = {}
     for index, cycle in enumerate(history.cycles):
-        levels = stress_levels(joint, POINTS, cycle.number)
-        closures = closures_at(joint, levels)[index]
+        levels = history.stress_levels(POINTS, cycle.number)
+        closures = history.net.at(levels)[index]
         for branch, closure in zip(cycle.branches, closures, strict=True):
             loads = branch.name == LOADING
             beyond = loads and history.former_maxima[index] > 0.0
@@ -100,7 +99,7 @@ def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.
                 continue
             # without a seating stress: since the start of a loading, or the end of an unloading
             end = branch.steps[0 if loads else -1]
-            start = closure[0] if history.seating_stress > 0.0 else history.net[end]
+            start = closure[0] if history.seating_stress > 0.0 else history.net.values[end]
             read[cycle.number, branch.name] = 1e-6 * levels, 1e3 * (closure - start)
     return read
 
@@ -163,10 +162,14 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     return values, errors, dict(zip(names, fit, strict=True))
 
 
-def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
-    """Return a parameter of `fitted_laws` by its name, NaN if it was not fitted."""
-    rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.parameter == name)]
-    return float(rows.value.iloc[0]) if len(rows) else float("nan")
+def loading_hyperbolas(joint: xr.Dataset, cycles: Iterable[int]) -> pd.DataFrame:
+    """Return ``kni_MPa_per_mm`` and ``vm_mm`` of the hyperbola of each loading, by cycle.
+
+    They are NaN in cycles whose loading was not fitted.
+    """
+    fits = fitted_laws(joint, ["hyperbolic"], [LOADING])
+    values = {name: rows.set_index("cycle").value for name, rows in fits.groupby("parameter")}
+    return pd.DataFrame(values, list(cycles), list(LAWS["hyperbolic"].parameters), dtype=float)
 
 
 class BartonBandis(NamedTuple):

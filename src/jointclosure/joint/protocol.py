@@ -64,9 +64,8 @@ class StepRecord(NamedTuple):
     """All accepted steps in order, status bits (`STATUSES`), and total effort.
 
     ``replayed`` is the number of cycles that were not simulated but repeated. ``idle_steps`` is the
-    number of steps that were settled without interaction, repeated ones included. In none of them
-    would the interaction have displaced a contact by more than ``idle_displacement`` times the
-    closure.
+    number of accepted steps that were settled without interaction. In none of them would the
+    interaction have displaced a contact by more than ``idle_displacement`` times the closure.
     """
 
     steps: list[Step]
@@ -137,16 +136,23 @@ class _Run:
             return None
         return StepControl(self.numerics, step, self.target_force, former, self.seating_force)
 
-    def is_idle(self, settled: Settled) -> bool:
-        """Return whether a state settled without interaction may be kept, and count it if so."""
+    def displacement_left_out(self, settled: Settled) -> float | None:
+        """Return the largest displacement by the interaction in a state settled without it.
+
+        It is over the closure; None if the interaction may not be left out of the state.
+        """
         displaced = self.joint.interaction_left_out() / settled.closure
         if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
-            return False
-        self.idle_steps += 1
-        self.idle_displacement = max(displaced, self.idle_displacement)
-        return True
+            return None
+        return displaced
 
-    def accept(self, cycle: int, branch: str, settled: Settled) -> None:
+    def accept(
+        self, cycle: int, branch: str, settled: Settled, left_out: float | None = None
+    ) -> None:
+        """Keep a state as a step; ``left_out`` is as from `displacement_left_out`."""
+        if left_out is not None:
+            self.idle_steps += 1
+            self.idle_displacement = max(left_out, self.idle_displacement)
         self.closure = settled.closure
         self.total_force = settled.total_force
         self.steps.append(Step(cycle, branch, settled, _mean_height(self.joint)))
@@ -292,14 +298,15 @@ def _load(
         settled = run.settle(closure, breakage_step)
         if run.failed:
             return
-        if run.leaves_interaction_out and not run.is_idle(settled):
+        left_out = run.displacement_left_out(settled) if run.leaves_interaction_out else None
+        if run.leaves_interaction_out and left_out is None:
             run.joint.restore(before)
             run.joint.resume_interaction()
             run.leaves_interaction_out = False
             continue
         landed = abs(settled.total_force - run.target_force) <= near
         if landed and (control or closure == held):
-            run.accept(cycle, LOADING, settled)
+            run.accept(cycle, LOADING, settled, left_out)
             return
         if control:
             step = control.following(taken, run.total_force, settled)
@@ -307,7 +314,7 @@ def _load(
                 run.joint.restore(before, rates=False)
                 continue
         if settled.total_force < run.target_force:
-            run.accept(cycle, LOADING, settled)
+            run.accept(cycle, LOADING, settled, left_out)
         elif run.numerics.target == "interpolate":
             _interpolate(run, cycle, LOADING, run.target_force, before, settled)
             return

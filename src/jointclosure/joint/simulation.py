@@ -1,4 +1,4 @@
-"""Close one joint: the public functions `simulate` and `equilibrium`."""
+"""Simulate one joint: the public functions `simulate` and `equilibrium`."""
 
 import math
 import warnings
@@ -20,9 +20,9 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
-from jointclosure.joint.cycles import cycle_closures, unloading_excess
+from jointclosure.joint.cycles import unloading_excess
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
-from jointclosure.joint.history import GROSS, history_of
+from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
@@ -100,7 +100,7 @@ def simulate(
         of the overlaps delta_S of contacts over the number of cells), ``equilibrium_residual``,
         with coordinates ``load_cycle`` and ``branch``. Along ``cycle`` (1, 2): ``max_closure`` and
         ``residual_closure`` [m], both also ``_seated``
-        (`jointclosure.joint.cycles.cycle_closures`), ``locked_share`` and
+        (`jointclosure.joint.history.Curve.cycle_closures`), ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
         excess of the stress on unloading over that on loading. The walls at the end,
         ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
@@ -134,7 +134,7 @@ def simulate(
     checked = conditions.checked(snapshots)
     for doubt in [] if conditions.unusual_values else near_strength(*walls, checked):
         warnings.warn(doubt, stacklevel=2)
-    return close_checked(*walls, checked, report, snapshots, pristine)
+    return simulate_checked(*walls, checked, report, snapshots, pristine)
 
 
 NEAR_STRENGTH = 0.75
@@ -169,7 +169,7 @@ def share_of_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditio
     return float(conditions.largest_stress) / largest_strength(joint, numerics)
 
 
-def close_walls(
+def simulate_walls(
     upper: ArrayLike,
     lower: ArrayLike,
     conditions: Conditions,
@@ -178,13 +178,13 @@ def close_walls(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`, and accept unusual values."""
+    """Simulate two walls (y, x) [m] as `simulate`, and accept unusual values."""
     walls = checked_walls(upper, lower, conditions.grid_spacing)
     checked = conditions._replace(unusual_values=True).checked(snapshots)
-    return close_checked(*walls, checked, report, snapshots, pristine, solver_of)
+    return simulate_checked(*walls, checked, report, snapshots, pristine, solver_of)
 
 
-def close_checked(
+def simulate_checked(
     upper: np.ndarray,
     lower: np.ndarray,
     conditions: Conditions,
@@ -193,7 +193,7 @@ def close_checked(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m] as `simulate`; walls and conditions were checked before.
+    """Simulate two walls (y, x) [m] as `simulate`; walls and conditions were checked before.
 
     ``conditions`` are as `Conditions.checked` returns them, for these ``snapshots``. Here only is
     checked what takes both: the heights against the steps, and the number of steps.
@@ -381,9 +381,10 @@ def _history_dataset(
     coordinates |= _grid(joint.upper.shape, joint.law.spacing)
     closed = xr.Dataset(_variables(("step", along_step)), coordinates, attributes)
     reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
-    unloading = [history_of(closed).branch(n, UNLOADING) for n in range(1, len(load) + 1)]
+    of_steps = history_of(closed)
+    unloading = [of_steps.branch(number, UNLOADING) for number in range(1, len(load) + 1)]
     maxima = [settled[branch.steps[0]] if branch.steps.size else None for branch in unloading]
-    along_cycle = cycle_closures(closed, GROSS, reached)
+    along_cycle = of_steps.gross.cycle_closures(reached)
     along_cycle["unloading_excess"] = unloading_excess(closed, reached)
     for field in ("mean_interaction", "locked_share", "flat_share"):
         name = "max_bulk_indentation" if field == "mean_interaction" else field

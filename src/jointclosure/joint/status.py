@@ -1,4 +1,4 @@
-"""Status bits and branches of a simulated joint, in a module of their own without the solvers."""
+"""Status bits, branches and statuses of flow of a simulated joint; it loads no solver."""
 
 from typing import Any, NamedTuple
 
@@ -54,6 +54,10 @@ FLAGS = {bit: flag.name for bit, flag in STATUSES.items()}
 TARGET_JUMPED, OUTSIDE_MODEL_RANGE, FAILURE, *_ = FLAGS
 LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
 BRANCHES = LOADING, UNLOADING = "loading", "unloading"
+FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
+"""Words of the status of a flow, from the one by which most is known."""
+ONLY_BOUNDS = FLOW_STATUSES[2:]
+"""Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
 
 def unbreakable_share(joint: Any) -> Any:

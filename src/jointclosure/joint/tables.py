@@ -6,9 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.curves import closures_at, normal_stiffness, table_levels
-from jointclosure.joint.cycles import cycle_closures
-from jointclosure.joint.history import KINDS, Branch, History, history_of
+from jointclosure.joint.history import Branch, History, history_of
 from jointclosure.joint.status import BRANCHES, LOADING
 
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
@@ -21,14 +19,10 @@ TRANSMISSIVITIES = {
     "largest_hydraulic_mm": "largest_transmissivity_m2_per_s",
 }
 """Columns of the transmissivity of water, and of its bounds, by those of apertures."""
-FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
-"""Words of the status of a flow, from the one by which most is known."""
 ENDS = ["low", "high"]
 """Ends of a range or band, as the names of its columns end."""
 WIDER = ["low_with_choices", "high_with_choices"]
 """Ends of the range or band with other choices of the model too."""
-ONLY_BOUNDS = FLOW_STATUSES[2:]
-"""Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
 
 def curve_table(joint: xr.Dataset) -> pd.DataFrame:
@@ -51,38 +45,18 @@ def _columns_of_branch(history: History, branch: Branch) -> dict[str, Any]:
         "branch": branch.name,
         "normal_stress_MPa": 1e-6 * history.stress[steps],
     }
-    for kind, of in KINDS.items():
-        since = history.along(of)[steps] - history.seat(branch.cycle, LOADING, of)
+    for kind, closure in history.closures.items():
+        since = closure.values[steps] - closure.seat(branch.cycle, LOADING)
         columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
-    for kind, of in KINDS.items():
-        columns[f"closure_{kind}_mm"] = 1e3 * history.along(of)[steps]
-    aperture = history.along("mean_aperture")[steps]
-    contact = history.along("contact_fraction")[steps]
+    for kind, closure in history.closures.items():
+        columns[f"closure_{kind}_mm"] = 1e3 * closure.values[steps]
+    aperture = history.joint.mean_aperture.values[steps]
+    contact = history.joint.contact_fraction.values[steps]
     columns["mean_aperture_mm"] = 1e3 * aperture
     columns["void_volume_mm3"] = 1e9 * history.area * aperture
     columns["contact_area_mm2"] = 1e6 * history.area * contact
     columns["contact_fraction"] = contact
     return columns
-
-
-def flow_statuses(joint: xr.Dataset) -> np.ndarray:
-    """Return the status of the flow in words (steps, directions)."""
-    words = np.array(joint.flow_status.attrs["flag_meanings"].split(), dtype=object)
-    return words[joint.flow_status.values.astype(int)]
-
-
-def flow_status_at(joint: xr.Dataset, levels: np.ndarray) -> np.ndarray:
-    """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
-
-    It is the one by which least is known, along both directions and at the steps on both sides of
-    the stress; "" where the stress is not reached.
-    """
-    rank = np.vectorize(FLOW_STATUSES.index)(flow_statuses(joint)).max(axis=1)
-    ranks = np.zeros((history_of(joint).begun, 2, levels.size), dtype=int)
-    for least in range(1, len(FLOW_STATUSES)):
-        ranks += closures_at(joint, levels, (rank >= least).astype(float)) > 0.0
-    reached = np.isfinite(closures_at(joint, levels, np.zeros(rank.size)))
-    return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
 
 
 def _flow_columns(history: History) -> dict[str, np.ndarray]:
@@ -92,7 +66,7 @@ def _flow_columns(history: History) -> dict[str, np.ndarray]:
         return columns
     joint = history.joint
     mean = joint.mean_aperture.values
-    statuses = flow_statuses(joint)
+    statuses = history.flow_statuses
     for place, direction in enumerate(joint.direction.values):
         for name in HYDRAULIC:
             columns[f"{name}_{direction}_mm"] = 1e3 * joint[name].sel(direction=direction).values
@@ -107,47 +81,47 @@ def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
     """Tabulate the closures of each cycle, since seating as in laboratory reports."""
     history = history_of(joint)
     columns: dict[str, Any] = {"cycle": np.array([cycle.number for cycle in history.cycles])}
-    for kind, of in KINDS.items():
+    for kind, closure in history.closures.items():
         suffix = "_net" if kind == "net" else ""
-        closures = cycle_closures(joint, of)
+        closures = closure.cycle_closures()
         since = 1e3 * closures["max_closure_seated"]
         residual = 1e3 * closures["residual_closure_seated"]
         columns[f"max_closure_seated{suffix}_mm"] = since
         columns[f"residual_closure_seated{suffix}_mm"] = residual
         columns[f"residual_share{suffix}"] = residual / since
         columns[f"max_closure{suffix}_mm"] = 1e3 * closures["max_closure"]
-    columns["mean_aperture_at_seating_mm"] = 1e3 * history.seats(LOADING, "mean_aperture")
-    states = {"mean_aperture_mm": 1e3 * history.along("mean_aperture")}
+    columns["mean_aperture_at_seating_mm"] = 1e3 * history.curve("mean_aperture").seats
+    states = {"mean_aperture_mm": 1e3 * joint.mean_aperture.values}
     states |= _flow_columns(history)
-    states["contact"] = history.along("contact_fraction")
+    states["contact"] = joint.contact_fraction.values
     for name, values in states.items():
         if "ratio" not in name:
             column = f"{name.removesuffix('_mm')}_at_max{'_mm' if name.endswith('_mm') else ''}"
-            columns[column] = history.at_maxima(values)
+            columns[column] = history.curve(values).at_maxima
     return pd.DataFrame(columns)
 
 
 def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
     """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
 
-    By default the stresses are those of `table_levels`. The hydraulic aperture is 0 where the flow
-    is blocked at the step before or after.
+    By default the stresses are those of `History.table_levels`. The hydraulic aperture is 0 where
+    the flow is blocked at the step before or after.
     """
     history = history_of(joint)
-    levels = table_levels(joint) if levels is None else levels
+    levels = history.table_levels() if levels is None else levels
     columns: dict[str, np.ndarray] = {}
-    for kind, of in KINDS.items():
-        since = closures_at(joint, levels, of) - history.seats(LOADING, of)[:, None, None]
+    for kind, closure in history.closures.items():
+        since = closure.at(levels) - closure.seats[:, None, None]
         columns[f"closure_{kind}_since_seating_mm"] = 1e3 * since
-    for kind, of in KINDS.items():
-        stiffness = 1e-9 * normal_stiffness(joint, levels, of)
+    for kind, closure in history.closures.items():
+        stiffness = 1e-9 * closure.normal_stiffness(levels)
         columns[f"normal_stiffness_{kind}_MPa_per_mm"] = stiffness
-    columns["mean_aperture_mm"] = 1e3 * closures_at(joint, levels, "mean_aperture")
+    columns["mean_aperture_mm"] = 1e3 * history.curve("mean_aperture").at(levels)
     if history.has_flow:
-        statuses = flow_status_at(joint, levels)
+        statuses = history.flow_status_at(levels)
         for name in HYDRAULIC:  # geometric means along x and y
             mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
-            aperture = 1e3 * np.maximum(closures_at(joint, levels, mean), 0.0)
+            aperture = 1e3 * np.maximum(history.curve(mean).at(levels), 0.0)
             if name != "largest_hydraulic":  # between steps, one of which has no flow
                 aperture[statuses == "blocked"] = 0.0
             columns[f"{name}_mm"] = aperture

@@ -16,7 +16,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.curves import closures_at
+from jointclosure.joint.history import history_of
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.logs import LEAST_POINTS, exceeds_former
@@ -235,7 +235,7 @@ def _history_of_curve(curve: MeasuredCurve) -> xr.Dataset:
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
     """Return the readings ``asked`` (n,) [m] of the net closure of a joint, NaN if missing."""
     stresses = np.append(asked.seating, asked.levels)
-    return readings_of_closures(closures_at(history, stresses), stresses, asked)
+    return readings_of_closures(history_of(history).net.at(stresses), stresses, asked)
 
 
 def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:

@@ -14,9 +14,9 @@ from jointclosure.execution.cache import Entry, make_missing
 from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import RESOLVED, Conditions
-from jointclosure.joint.curves import closures_at
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.history import history_of
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.measured.agreement import quantities
@@ -26,6 +26,7 @@ from jointclosure.measured.calibration import (
     readings_of_closures,
 )
 from jointclosure.measured.joints import AskedJoints, SimulatedWalls
+from jointclosure.parameters import RESOLVED
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty.expected_cost import rough_time, seconds_of_joint
@@ -96,13 +97,13 @@ class Joints(NamedTuple):
         """
         surfaces = self.asked.joint.surfaces
         wavelengths = self.asked.wavelengths.size
-        closures = self._close_missing(
+        closures = self._simulate_missing(
             [(i, k) for k in range(surfaces) for i in range(wavelengths)], foresee=True
         )
         closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
         return closures.transpose(2, 1, 3, 0, 4, 5, 6)
 
-    def _close_missing(
+    def _simulate_missing(
         self, places: Sequence[tuple[int, int]], strength: int = 0, foresee: bool = False
     ) -> np.ndarray:
         """Simulate joints that are not kept yet, and return the closures [m] of all.
@@ -126,7 +127,7 @@ class Joints(NamedTuple):
                 steps = f"{numerics.breakage}_{numerics.tolerance:.4g}"
                 file = f"wavelength_{i}_strength_{j}_surface_{k}_{steps}"
                 scans = {"scans": asked.scans}
-                entries.append(Entry(file, close_surface, arguments, scans))
+                entries.append(Entry(file, simulate_surface, arguments, scans))
         (kernel,) = kernels_of([conditions.model])
         workers = number_of_workers(self.workers)
 
@@ -179,7 +180,7 @@ class Joints(NamedTuple):
             conditions=conditions._replace(numerics=numerics),
             strengths=self.strengths[j : j + 1], laters=self.laters[kind : kind + 1],
         )  # fmt: skip
-        fine = nearest._close_missing([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
+        fine = nearest._simulate_missing([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
         given, finer = (
             quantities(readings_of_closures(each, self.stresses, measured), measured)
             for each in (closures[kind, i, j, :CHECKED], fine)
@@ -216,7 +217,7 @@ def changed(conditions: Conditions, strength: float, later: Later) -> Conditions
     return conditions._replace(rock=rock, choices=choices)
 
 
-def close_surface(
+def simulate_surface(
     first: Conditions,
     cycles: int,
     stresses: Sequence[float],
@@ -239,18 +240,18 @@ def close_surface(
     for place, (number, strength) in enumerate(numbered.items()):
         conditions = changed(first, strength, Later())
         pair = walls.pair(number, wavelength, scans)
-        once = close_walls(*pair, conditions._replace(cycles=once_cycles))
+        once = simulate_walls(*pair, conditions._replace(cycles=once_cycles))
         if once.status >= FAILURE:
             report(f"joint {number}: status {int(once.status)}")
             continue
-        closures[:, place, :once_cycles] = closures_at(once, levels)
+        closures[:, place, :once_cycles] = history_of(once).net.at(levels)
         crushed = once.upper_final.values, once.lower_final.values
         for kind, later in enumerate(laters if once_cycles < cycles else ()):
             conditions = changed(first, strength, later)._replace(cycles=cycles - 1)
             seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
-            again = close_walls(*seated, conditions, pristine=pristine)
+            again = simulate_walls(*seated, conditions, pristine=pristine)
             if again.status < FAILURE:
-                closures[kind, place, 1:] = closures_at(again, levels)
+                closures[kind, place, 1:] = history_of(again).net.at(levels)
         report(f"joint {number} of {strength:.3g} Pa closed")
     dims = ("later", "strength", "cycle", "branch", "stress")
     return xr.Dataset({"closure": (dims, closures, {"units": "m"})})

@@ -11,7 +11,6 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.agreement import about_share, intervals
 from jointclosure.measured.calibration import (
     Interval,
@@ -25,7 +24,7 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
-from jointclosure.parameters import Numerics
+from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.standard_errors import percent, significant
 
 WAVELENGTHS = 8  # mismatch wavelengths at which joints are simulated
@@ -241,7 +240,7 @@ def fit(
     See `jointclosure.measured.calibration`: the likelihood is from the scatter of joints, and
     assumes that the model is right and that rock, roughness and size are known. Closures of the
     model are net of the indentation of the half-spaces
-    (`jointclosure.joint.history.History.along`).
+    (`jointclosure.joint.history.History.net`).
     """
     given = asked_joints(curve, joint, "fit", WAVELENGTHS, first_loading)
     measured = given.measured

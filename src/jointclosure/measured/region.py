@@ -18,7 +18,6 @@ import pandas as pd
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.joint.conditions import RESOLVED
 from jointclosure.measured.agreement import about_share, intervals
 from jointclosure.measured.calibration import (
     Likelihood,
@@ -30,7 +29,7 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
-from jointclosure.parameters import Numerics, Rock
+from jointclosure.parameters import RESOLVED, Numerics, Rock
 from jointclosure.statistics.standard_errors import CONFIDENCE, percent, significant
 
 NUMERICS = RESOLVED._replace(tolerance=0.05)

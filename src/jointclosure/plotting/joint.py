@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.history import GROSS, NET, history_of
-from jointclosure.joint.laws import LAWS, BartonBandis, fitted_laws, parameter
+from jointclosure.joint.laws import LAWS, BartonBandis, loading_hyperbolas
 from jointclosure.joint.status import LOADING
 from jointclosure.joint.tables import WATER, has_bands, members, stress_table, wider_members
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
@@ -110,21 +110,21 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
     Closure counts ``since`` first "touch", "seating", or the start of the "cycle".
     """
     history = history_of(closed)
-    values = history.along(of)
+    curve = history.curve(of)
     seating = history.seating_stress
     for cycle in history.cycles:
         zero = 0.0
         if since == "seating":
-            zero = history.seat(cycle.number, LOADING, of)
+            zero = curve.seat(cycle.number, LOADING)
         elif since == "cycle":
-            zero = values[cycle.loading.steps[0]]
+            zero = curve.values[cycle.loading.steps[0]]
         for branch in cycle.branches:
-            closure = values[branch.steps]
+            closure = curve.values[branch.steps]
             stress = history.stress[branch.steps]
             if since == "seating":  # from its point at the seating stress
                 over = stress > seating
                 end = 0 if branch.name == LOADING else int(over.sum())
-                seat = history.seat(cycle.number, branch.name, of)
+                seat = curve.seat(cycle.number, branch.name)
                 closure = np.insert(closure[over], end, seat)
                 stress = np.insert(stress[over], end, seating)
             axes.plot(
@@ -168,13 +168,9 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
             band = f"cycle {cycle}, band of nine in ten"
             wider = wider_members(curves, name)
             if wider:
-                style = {
-                    "color": colour,
-                    "alpha": 0.07,
-                    "zorder": 0.5,
-                    "label": f"{band}{_CHOICES}",
-                }
-                fill(stress, *(rows[end] for end in wider), **style)
+                outer = [rows[end] for end in wider]
+                label_of_outer = f"{band}{_CHOICES}"
+                fill(stress, *outer, color=colour, alpha=0.07, zorder=0.5, label=label_of_outer)
             fill(stress, low, high, color=colour, alpha=0.25, lw=0.0, label=band)
         at = (rows[name], stress) if across else (stress, rows[name])
         line = {"color": colour, "label": label, "zorder": order, "lw": width}
@@ -239,9 +235,8 @@ def _draw_closure(
     stress = np.linspace(seating, float(loading.normal_stress_MPa.max()), 100)
     middle = "closure_net_since_seating_mm"
     law = LAWS["hyperbolic"]
-    fits = fitted_laws(joint, ["hyperbolic"], [LOADING])
-    for number, cycle in enumerate(loading.dropna(subset=middle).cycle.unique()):
-        constants = (parameter(fits, cycle, LOADING, name) for name in law.parameters)
+    cycles = loading.dropna(subset=middle).cycle.unique()
+    for number, (cycle, constants) in enumerate(loading_hyperbolas(joint, cycles).iterrows()):
         fitted = law.closure(stress, seating, *constants)
         label = None if number else "hyperbolas fitted"
         if np.isfinite(fitted).all():  # not beyond a former maximum, or of a curve without bend

@@ -206,7 +206,7 @@ class Budget(NamedTuple):
         row = self.ranges.loc[cycle, quantity]
         if quantity == VM and np.isnan(row.best):
             return UNDETERMINED
-        first, low, high = _shown(row.best, row.low, row.high)
+        first, low, high = _range_texts(row.best, row.low, row.high)
         return f"{first} ({low} to {high})"
 
     def wider_title(self) -> str:
@@ -220,7 +220,7 @@ class Budget(NamedTuple):
             row = self.ranges.loc[cycle, quantity]
             if not self.modelled(cycle, quantity) or np.isnan(row[WIDER].astype(float)).any():
                 return ""
-            return " to ".join(_shown(*row[WIDER]))
+            return " to ".join(_range_texts(*row[WIDER]))
 
         return table_of(self.ranges.index.unique("cycle"), text)
 
@@ -273,7 +273,7 @@ class Budget(NamedTuple):
         )
 
 
-def _shown(*values: float) -> tuple[str, ...]:
+def _range_texts(*values: float) -> tuple[str, ...]:
     """Format numbers with two digits, as "0" below 0.5 % of the difference of the last two."""
     least = 0.005 * (values[-1] - values[-2])
     return tuple(_two_digits(0.0 if abs(value) < least else value) for value in values)

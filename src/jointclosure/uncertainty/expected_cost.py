@@ -1,17 +1,15 @@
 """Estimates of the time and memory that simulations will take."""
 
 import time
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import Effects, Numerics
-from jointclosure.uncertainty.variants import sources_of, threads_for, variants_of
-from jointclosure.walls.scan_errors import ScanErrors
+from jointclosure.uncertainty.variants import UncertainJoint, threads_for
 
 WINDOW = 128  # cells along a side of the window of the walls that is simulated to estimate the time
 EXPONENTS = (1.15, 1.75)
@@ -79,34 +77,22 @@ def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
         )
 
 
-def expected_cost(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    conditions: Conditions,
-    single: bool,
-    ranges: Mapping[str, tuple[float, float]] = {},
-    errors: ScanErrors | None = None,
-    workers: int | None = None,
-) -> Cost | None:
-    """Estimate the cost of a joint of walls (y, x) [m]; None for one of up to `SMALL` cells.
+def expected_cost(joint: UncertainJoint, workers: int | None = None) -> Cost | None:
+    """Estimate the cost of a joint and its variants; None for one of up to `SMALL` cells.
 
     The time of a window of the walls is multiplied by the powers `EXPONENTS` of the number of
-    cells. Unless the joint is ``single``, the variants of its range (``ranges``, ``errors``) are
-    added, of which ``workers`` are simulated at the same time.
+    cells. ``workers`` of the variants are simulated at the same time.
     """
-    sources = {} if single else sources_of(conditions, upper.shape, ranges, errors)
-    if upper.size <= SMALL:
+    if joint.upper.size <= SMALL:
         return None
-    variants = [] if single else list(variants_of(conditions, sources))
     least, most = (
-        seconds * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
+        seconds * (1.0 + sum(v.step ** (-2.0 * power) for v in joint.variants))
         for seconds, power in zip(
-            seconds_of_joint(upper, lower, conditions), EXPONENTS, strict=True
+            seconds_of_joint(joint.upper, joint.lower, joint.conditions), EXPONENTS, strict=True
         )
     )
-    largest = max(upper.size, errors.cells if errors else 0)
-    joints = 1 if single else threads_for(largest, workers)
-    return Cost((least, most), BASE_BYTES + BYTES * largest * joints)
+    joints = threads_for(joint.cells, workers) if joint.variants else 1
+    return Cost((least, most), BASE_BYTES + BYTES * joint.cells * joints)
 
 
 def seconds_of_joint(
@@ -145,7 +131,7 @@ def _time_of_window(
     corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
     window = tuple(slice(corner, corner + size) for corner in corners)
     start = time.process_time()
-    close_walls(upper[window], lower[window], conditions)
+    simulate_walls(upper[window], lower[window], conditions)
     return time.process_time() - start, upper[window].size
 
 

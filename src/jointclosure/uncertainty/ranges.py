@@ -28,7 +28,8 @@ import scipy
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
-from jointclosure.joint.tables import ENDS, FLOW_STATUSES, ONLY_BOUNDS, WIDER, with_transmissivity
+from jointclosure.joint.status import FLOW_STATUSES, ONLY_BOUNDS
+from jointclosure.joint.tables import ENDS, WIDER, with_transmissivity
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
 from jointclosure.uncertainty.results import (

@@ -7,8 +7,7 @@ import xarray as xr
 
 from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.joint.cycles import net_responses
-from jointclosure.joint.laws import fitted_laws, parameter
-from jointclosure.joint.status import LOADING
+from jointclosure.joint.laws import loading_hyperbolas
 from jointclosure.joint.tables import cycle_table
 
 RESIDUAL_NET = "residual_closure_seated_net_mm"
@@ -38,11 +37,10 @@ QUANTITIES = {
 def results_of(history: xr.Dataset) -> pd.DataFrame:
     """Return a table of `QUANTITIES` by cycle of a joint that did not fail."""
     table = cycle_table(history)
-    laws = fitted_laws(history, ["hyperbolic"], [LOADING])
     stiffness = net_responses(history)["stiffness_net"]
     table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
-    for column, name in ((KNI, "kni_MPa_per_mm"), (VM, "vm_mm")):
-        table[column] = [parameter(laws, cycle, LOADING, name) for cycle in table.cycle]
+    hyperbolas = loading_hyperbolas(history, table.cycle)
+    table[[KNI, VM]] = hyperbolas[["kni_MPa_per_mm", "vm_mm"]].to_numpy()
     return table[["cycle", *QUANTITIES]]
 
 

@@ -13,15 +13,13 @@ from jointclosure.execution.progress import bar, closing_bar
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.conditions import (
-    RESOLVED,
     Changes,
     Conditions,
     check_named_stresses,
     conditions_from,
     takes_scans,
 )
-from jointclosure.joint.curves import table_levels
-from jointclosure.joint.history import with_snapshots
+from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import (
     LAB_LENGTH,
     JointLaws,
@@ -30,14 +28,18 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
-from jointclosure.joint.simulation import close_checked, near_strength
+from jointclosure.joint.simulation import near_strength, simulate_checked
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
-from jointclosure.parameters import check_choices
+from jointclosure.parameters import RESOLVED, check_choices
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
-from jointclosure.uncertainty.variants import uncertainty_budget
+from jointclosure.uncertainty.variants import (
+    UncertainJoint,
+    uncertain_joint,
+    uncertainty_budget,
+)
 from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
@@ -72,7 +74,7 @@ class ClosedJoint(NamedTuple):
         """
         if self.budget is not None:
             return self.budget.curves
-        return stress_table(self.history, table_levels(self.history, self.at))
+        return stress_table(self.history, history_of(self.history).table_levels(self.at))
 
     def __repr__(self) -> str:
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
@@ -221,17 +223,20 @@ def close(
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
     remark = _Remarks(printed=progress)
     remark(pair.report, () if stated.unusual_values else pair.warnings)
+    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+    uncertain = (
+        UncertainJoint(pair.upper, pair.lower, conditions)
+        if single
+        else uncertain_joint(pair.upper, pair.lower, conditions, ranges, pair.errors)
+    )
     if progress:
         print(_description(pair, conditions, name))
-    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-
-    errors = None if single else pair.errors
-    of_noise = _about_noise(pair, errors)
+    of_noise = _about_noise(pair, uncertain.errors)
     remark(of_noise)
     if not stated.unusual_values:
         slow = near_strength(pair.upper, pair.lower, conditions)
         remark(slow, slow)
-    cost = expected_cost(pair.upper, pair.lower, conditions, single, ranges, errors, workers)
+    cost = expected_cost(uncertain, workers)
     if cost:
         sentence = cost.sentence(pair.upper.shape, pair.spacing)
         remark([sentence], [sentence])
@@ -246,9 +251,7 @@ def close(
 
     try:
         with bar("range") if progress else nullcontext(_no_bar) as show:
-            budget = uncertainty_budget(
-                pair.upper, pair.lower, conditions, ranges, history, show, errors, workers, at
-            )
+            budget = uncertainty_budget(uncertain, history, show, workers, at)
     except KeyboardInterrupt:
         if not progress:
             raise
@@ -294,9 +297,9 @@ def _simulated(
     The force is that at the largest stress, of which a snapshot is taken and given up again.
     """
     if not pair.holes.any():
-        return close_checked(pair.upper, pair.lower, conditions, report, snapshots), []
+        return simulate_checked(pair.upper, pair.lower, conditions, report, snapshots), []
     with_largest = (*snapshots, float(conditions.largest_stress))
-    history = close_checked(pair.upper, pair.lower, conditions, report, with_largest)
+    history = simulate_checked(pair.upper, pair.lower, conditions, report, with_largest)
     return with_snapshots(history, snapshots), _force_in_holes(pair, history)
 
 

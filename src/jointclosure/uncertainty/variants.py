@@ -19,13 +19,22 @@ import xarray as xr
 from jointclosure.execution.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.curves import table_levels
+from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.simulation import close_walls
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import stress_table
-from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Numerics, acting, key_of, without_effect
+from jointclosure.parameters import (
+    OF_ROCK,
+    PLAUSIBLE,
+    Choices,
+    Effects,
+    Numerics,
+    acting,
+    key_of,
+    without_effect,
+)
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.budget import Budget
@@ -123,10 +132,58 @@ class Variant(NamedTuple):
         return self._replace(conditions=conditions._replace(rock=rock))
 
 
+class UncertainJoint(NamedTuple):
+    """A joint and what is not known of it, made once by `uncertain_joint`.
+
+    ``upper`` and ``lower`` are its walls (y, x) [m], ``conditions`` as `Conditions.checked` returns
+    them with the grid spacing, ``errors`` those of scanned walls. ``sources`` of uncertainty, by
+    name, make the ``variants`` of the joint; a joint without a range has none.
+    """
+
+    upper: np.ndarray
+    lower: np.ndarray
+    conditions: Conditions
+    errors: ScanErrors | None = None
+    sources: Mapping[str, Source] = {}
+    variants: tuple[Variant, ...] = ()
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of its largest variant."""
+        return max(self.upper.size, self.errors.cells if self.errors else 0)
+
+    def simulated(self, variant: Variant, report: Report | None = None) -> xr.Dataset | None:
+        """Simulate a variant; None if it is refused, such as for more steps than allowed."""
+        with suppress(InputError):
+            walls = variant.walls(self.upper, self.lower, self.errors)
+            return simulate_walls(*walls, variant.conditions, report)
+        return None
+
+
+def uncertain_joint(
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    ranges: Mapping[str, tuple[float, float]] = {},
+    errors: ScanErrors | None = None,
+) -> UncertainJoint:
+    """Return a joint with its sources of uncertainty and variants; arguments as for its fields.
+
+    ``ranges`` are stated ones of `VARIED`; `InputError` if one is not allowed.
+    """
+    sources = sources_of(conditions, upper.shape, ranges, errors)
+    variants = tuple(variants_of(conditions, sources))
+    return UncertainJoint(upper, lower, conditions, errors, sources, variants)
+
+
 def coarser(numerics: Numerics, factor: float) -> Numerics:
-    """Return numerics with the tolerance and all steps multiplied by a factor."""
+    """Return numerics with the tolerance and the steps that act multiplied by a factor."""
     steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
-    scaled = {name: factor * getattr(numerics, name) for name in (*steps, "tolerance")}
+    scaled = {
+        name: factor * getattr(numerics, name)
+        for name in (*steps, "tolerance")
+        if not without_effect(name, Effects(), Choices(), numerics)
+    }
     return numerics._replace(**scaled)
 
 
@@ -253,66 +310,58 @@ def _text(name: str, value: Any) -> str:
 
 
 def uncertainty_budget(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    conditions: Conditions,
-    ranges: Mapping[str, tuple[float, float]] = {},
+    joint: UncertainJoint,
     closed: xr.Dataset | None = None,
     report: Callable[[float, str], None] = lambda share, variant: None,
-    errors: ScanErrors | None = None,
     workers: int | None = None,
     at: Sequence[float] = (),
 ) -> Budget:
-    """Return the uncertainty budget of the joint of walls (y, x) [m].
+    """Return the uncertainty budget of a joint.
 
     The joint is simulated with each source changed alone, and with all at random. ``closed`` is the
-    joint itself, if it is simulated already. ``report`` receives the finished share and the name of
-    the variant. ``errors`` are those of scanned walls, ``at`` are stresses [Pa] that curves have
-    besides round ones.
+    history of the joint itself, if it is simulated already. ``report`` receives the finished share
+    and the name of the variant. ``at`` are stresses [Pa] that curves have besides round ones.
     """
-    conditions = conditions.checked()
-    sources = sources_of(conditions, upper.shape, ranges, errors)
-    variants = [Variant("", "", conditions), *variants_of(conditions, sources)]
-    closed = close_walls(upper, lower, conditions) if closed is None else closed
-    levels = table_levels(closed, at)
+    sources = joint.sources
+    variants = [Variant("", "", joint.conditions), *joint.variants]
+    closed = (
+        simulate_walls(joint.upper, joint.lower, joint.conditions) if closed is None else closed
+    )
+    levels = history_of(closed).table_levels(at)
     known = stress_table(closed, levels)
 
     def tables_of(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the rows of a variant, and its curves; values are unknown if it failed."""
-        joint = None if variant.source else closed
-        with suppress(InputError):  # such as more steps than the numerics allow
-            if joint is None:
-                walls = variant.walls(upper, lower, errors)
-                joint = close_walls(*walls, variant.conditions, going_on)
-        status = -1 if joint is None else int(joint.status)
-        if joint is None or status >= FAILURE:
+        history = joint.simulated(variant, going_on) if variant.source else closed
+        status = -1 if history is None else int(history.status)
+        if history is None or status >= FAILURE:
             rows = pd.DataFrame({"cycle": known.cycle.unique()})
             rows = rows.assign(**dict.fromkeys(QUANTITIES, np.nan))
             curves = known[["cycle", "branch", "normal_stress_MPa"]]
         else:
-            curves = known if joint is closed else stress_table(joint, levels)
-            rows = results_of(joint)
+            curves = known if history is closed else stress_table(history, levels)
+            rows = results_of(history)
         about = {"source": variant.source, "value": variant.value, "status": status}
         return rows.assign(**about), curves.assign(source=variant.source)
 
     answers = {}
-    cells = max(upper.size, errors.cells if errors else 0)
-    for number, answer in in_threads(tables_of, variants, threads_for(cells, workers)):
+    threads = threads_for(joint.cells, workers)
+    for number, answer in in_threads(tables_of, variants, threads):
         answers[number], name = answer, variants[number].source
         report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
     rows, curves = zip(*(answers[number] for number in range(len(variants))), strict=True)
     results = pd.concat(rows, ignore_index=True)
-    exact = "registration", *acting(both_walls(conditions.rock)[0])
+    exact = "registration", *acting(both_walls(joint.conditions.rock)[0])
     omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
     of_steps = sources.get("breakage")
     shared = of_steps is not None and of_steps.kind == SHARED
-    numerical = numerical_errors_of(results, shared, upper.size)
+    numerical = numerical_errors_of(results, shared, joint.upper.size)
     limits = limits_of_error(numerical)
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER], limits)
-    ranges_found = ranges_of(results, sources, shares, further, limits)
-    return Budget(results, ranges_found, omitted, bands, _choices(sources), numerical)
+    ranges = ranges_of(results, sources, shares, further, limits)
+    return Budget(results, ranges, omitted, bands, _choices(sources), numerical)
 
 
 def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:

@@ -347,8 +347,8 @@ def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame
     rows = []
     for key, (value, meaning) in _leaves(chosen, schema, ""):
         known = key in theirs
-        row = {"key": key, "value": _shown(value), "meaning": meaning}
-        row["paper"] = _shown(theirs[key][0]) if known else ""
+        row = {"key": key, "value": _json_text(value), "meaning": meaning}
+        row["paper"] = _json_text(theirs[key][0]) if known else ""
         rows.append(row | {"differs": not known or theirs[key][0] != value})
     return pd.DataFrame(rows)
 
@@ -371,5 +371,5 @@ def _leaves(value: dict, schema: dict, path: str):
             yield f"{path}{name}", (entry, about.get("description", ""))
 
 
-def _shown(value: object) -> str:
+def _json_text(value: object) -> str:
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
