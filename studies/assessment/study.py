@@ -275,13 +275,19 @@ def _assessed(
 
 
 def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Tabulate the differences of variants at each condition, with verdicts on effects."""
+    """Tabulate the differences of variants at each condition, with verdicts on effects.
+
+    ``needed_by`` names the results that make an effect needed.
+    """
     differences = []
     for at, found in _assessed(joints, settings):
         percent = (100.0 * found.differences[_VALUES]).add_suffix("_percent")
         verdicts = {name: found.verdict(name) for name in found.effects.index}
         table = found.differences.drop(columns=_VALUES).join(percent)
-        differences.append(table.assign(**at, verdict=table.variant.map(verdicts).fillna("")))
+        by = {name: found.needed_by(name) for name in found.effects.index}
+        columns = {"verdict": verdicts, "needed_by": by}
+        named = {name: table.variant.map(of).fillna("") for name, of in columns.items()}
+        differences.append(table.assign(**at, **named))
     return _first(differences, *_CONDITION, "variant", "reference")
 
 

@@ -48,6 +48,22 @@ def test_verdicts_are_those_of_the_effects_that_were_put_in(effect, verdict):
     assert assessment.verdict("without gouge") == verdict
 
 
+def test_a_needed_effect_has_the_results_that_make_it_needed():
+    closed = closures()
+    assert Assessment(closed, LADDER, "middle", 0.05).needed_by("without gouge") == ""
+    closed.loc[closed.variant == "without gouge", "max_closure"] *= 1.3
+    found = Assessment(pd.concat([closed, closed.assign(cycle=2)]), LADDER, "middle", 0.05)
+    assert found.effects["needed by"]["without gouge"] == "gross closure (cycles 1, 2)"
+    assert found.verdict("without gouge") == "needed"
+    assert "gross closure (cycles 1, 2)" in str(found)
+
+
+def test_the_verdict_on_a_joint_says_what_it_means():
+    easy = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
+    words = "is easy (its copies agree and its contacts can break, which does not say"
+    assert words in easy.sentences[-1]
+
+
 def test_the_observed_order_is_the_one_that_was_put_in():
     sharp = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5

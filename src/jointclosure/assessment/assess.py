@@ -56,7 +56,14 @@ FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_ma
 """Quantities by which a joint is compared with the hard cases, and the spread of its copies [1]."""
 HARD_CASES = Path(__file__).with_name("hard_cases.csv")
 """Names, difficulties and `FEATURES` of the hard cases that the study verification simulated."""
-_VERDICTS = ("not stable", "hard", "easy")
+_MEANINGS = {
+    "not stable": "no closure of it can be stated",
+    "hard": "the order of breakage changes its closure, or contacts that cannot break carry it",
+    "easy": "its copies agree and its contacts can break, which does not say that the error of its "
+    "numerics is small",
+}
+"""Verdicts on a joint, the worst first, in words."""
+_VERDICTS = tuple(_MEANINGS)
 DROPS = (
     ("gouge",),
     ("breakage", "gouge"),
@@ -132,7 +139,7 @@ class Assessment:
         """Conclusions for the request."""
         worst = self.hardness.iloc[0]
         subject = "this joint" if self._lone else f"joint {worst.joint}"
-        words = f"{subject} is {worst.verdict}: {worst.reason}"
+        words = f"{subject} is {worst.verdict} ({_MEANINGS[worst.verdict]}): {worst.reason}"
         if self._lone and worst.spread > self.within:
             words += f"; no setting answers a request below {100 * worst.spread:.2g} %"
         return [*self._limits(), self._of_joint() if self._lone else self._of_mean(), words]
@@ -147,9 +154,13 @@ class Assessment:
 
     @property
     def effects(self) -> pd.DataFrame:
-        """Seconds, changes (%), and verdict, one row per group of effects left out."""
+        """Seconds, changes (%), and verdict, one row per group of effects left out.
+
+        ``needed by`` names the results that make effects needed, see `needed_by`.
+        """
         table = self._table(True, tuple(ASSESSED))
-        return table.assign(verdict=[self.verdict(name) for name in table.index])
+        columns = {"verdict": self.verdict, "needed by": self.needed_by}
+        return table.assign(**{name: list(map(of, table.index)) for name, of in columns.items()})
 
     def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
         """Format the differences of settings, or of scenes without effects."""
@@ -172,6 +183,10 @@ class Assessment:
         return (
             "needed" if False in inside else "not decided" if None in inside else "can be left out"
         )
+
+    def needed_by(self, variant: str) -> str:
+        """Return which results leave the request without effects, see `results_beyond`."""
+        return results_beyond(self.differences[self.differences.variant == variant], self.within)
 
     def __str__(self) -> str:
         effects = self.effects.filter(regex="^(?!net st|aperture)")
@@ -517,6 +532,27 @@ def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
     """Return joints in the order of their verdicts, and of the spread of their copies."""
     order = np.lexsort((-hardness.spread, hardness.verdict.map(_VERDICTS.index)))
     return hardness.iloc[order].reset_index(drop=True)
+
+
+def results_beyond(differences: pd.DataFrame, within: float) -> str:
+    """Name the judged results of a variant whose intervals lie outside of a request.
+
+    ``differences`` are rows of `Assessment.differences`. The names have their cycles, such as
+    "gross closure (cycles 1, 2)"; "" if no interval lies outside.
+    """
+    words = []
+    for quantity in JUDGED:
+        rows = differences[differences.quantity == quantity]
+        limits = rows[list(Interval._fields)].to_numpy()
+        cycles = [
+            f"{cycle:.0f}"
+            for cycle, row in zip(rows.cycle, limits, strict=True)
+            if Interval(*row).within(within) is False
+        ]
+        if cycles:
+            plural = "s" if len(cycles) > 1 else ""
+            words.append(f"{ASSESSED[quantity]} (cycle{plural} {', '.join(cycles)})")
+    return ", ".join(words)
 
 
 def spread_of(copies: pd.DataFrame) -> pd.Series:

@@ -116,6 +116,13 @@ class Change(NamedTuple):
         """Limits (quantity, cycle) of the sizes of the changes."""
         return np.abs(self.mean) + LIMIT * self.deviation
 
+    def largest(self) -> tuple[str, float, float]:
+        """Return the judged result with the largest limit: its name, its size, and this limit."""
+        most = np.where(np.isfinite(self.mean), self.most, -np.inf)[_ROWS]
+        row, cycle = np.unravel_index(np.argmax(most), most.shape)
+        name = f"{ASSESSED[JUDGED[row]]} of cycle {cycle + 1}"
+        return name, float(np.abs(self.mean[_ROWS][row, cycle])), float(most[row, cycle])
+
 
 class Pilot:
     """Pairs of walls simulated at most once with each set of effects, before ``joints`` are."""
@@ -194,13 +201,14 @@ class Pilot:
 
     def screened(self, names: tuple[str, ...], tolerance: float) -> str:
         """Return why the first joint shows that effects are kept without a test; "" if not."""
-        gross = self.values(self.effects, 1)[0, 0]
-        if not np.isfinite(gross).any():
+        net = self.values(self.effects, 1)[0, list(ASSESSED).index(CLOSURE)]
+        if not np.isfinite(net).any():
             return "cannot be computed"
         # whatever the one closure of an elastic joint is, it is off by as much in some cycle
-        least = np.ptp(gross) / (gross.max() + gross.min())
+        least = np.ptp(net) / (net.max() + net.min())
         if "breakage" in names and len(set(self.conditions.load)) == 1 and least > tolerance:
-            return f"of a cycle changes by {percent(least)} or more, as all cycles would be alike"
+            words = "or more (net closure), as all cycles would be alike"
+            return f"of a cycle changes by {percent(least)} {words}"
         return ""
 
     def test(
@@ -238,8 +246,10 @@ class Pilot:
             return False, change, "is not tested, as this costs more than it may save"
         basis = ["frozen walls"] * frozen
         basis += [f"pairs: {pairs}", f"{percent(saved)} less time"] * (pairs > 0)
-        mean, most = (percent(_largest(values)) for values in (change.mean, change.most))
-        reason = f"changes by {mean}, at most {most} ({', '.join(basis)})"
+        result, mean, most = change.largest()
+        reason = (
+            f"changes by {percent(mean)}, at most {percent(most)} ({result}; {', '.join(basis)})"
+        )
         return inside >= ENOUGH and pairs >= required and saved >= WORTH, change, reason
 
 

@@ -171,7 +171,8 @@ def checked(checks: pd.DataFrame) -> pd.DataFrame:
 def differing(table: pd.DataFrame) -> pd.DataFrame:
     """Select the differences of closures of variants from their reference."""
     shown = table[(table.variant != table.reference) & table.quantity.isin(JUDGED)]
-    return shown.assign(quantity=shown.quantity.map(ASSESSED))
+    by = shown.get("needed_by", pd.Series("", shown.index))  # not in older tables
+    return shown.assign(quantity=shown.quantity.map(ASSESSED), needed_by=by)
 
 
 def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
