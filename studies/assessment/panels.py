@@ -17,11 +17,11 @@ from studies.assessment.reached import (
     ALL_ROCKS,
     EFFECTS,
     SETTING,
-    verdict_of_cycles,
 )
 from studies.frame.panels import key, point_key
 from studies.frame.settings import BASE
 from studies.paper.layout import case_title, figure_text
+from studies.paper.report.cycles import verdict_of_cycles
 
 SIZE = (4.2, 3.6)
 """Size of a panel [inches]: at the width of a phone its smallest letters have 9 pixels."""

@@ -26,6 +26,7 @@ from studies.assessment.plan import RESIDUAL, AssessmentPlan
 from studies.frame.settings import BASE
 from studies.frame.tables import in_words, succeeded
 from studies.paper.closures import estimate_columns
+from studies.paper.report.cycles import REFERENCE, VERDICT_OF
 
 ALL_ROCKS = "all rocks"
 """Value of the column ``rock`` in rows of all rocks together; keys of rocks have no space."""
@@ -35,12 +36,6 @@ MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
 """States of an effect: off, left out by `effects.auto`, needed by the joints, not tested."""
-REFERENCE = "reference"
-"""Verdict on the setting from which the differences of others are taken."""
-_VERDICT_OF = {True: "within", False: "beyond", None: "not determined"}
-"""Verdicts on a change of a mean closure: is it shown to be within the request, or beyond it?"""
-VERDICTS = tuple(_VERDICT_OF.values())
-"""Verdicts on a change, see `verdict_of_cycles`."""
 
 
 class _Closed(NamedTuple):
@@ -175,7 +170,7 @@ def _rows(
         row |= {"cycle": place + 1, "joints": samples.size, "failed": joints - samples.size}
         row |= estimate_columns("change_percent", _mean(samples), 100.0)
         row |= _limit_columns("change_percent", interval)
-        row["verdict"] = REFERENCE if variant == reference else _VERDICT_OF[interval.within(within)]
+        row["verdict"] = REFERENCE if variant == reference else VERDICT_OF[interval.within(within)]
         row["remains_points"] = 100.0 * _mean(remains).value
         row |= _limit_columns("remains_points", _interval(remains))
         row |= estimate_columns("seconds", seconds)
@@ -211,17 +206,6 @@ def _interval(samples: np.ndarray) -> Interval:
 def _limit_columns(name: str, interval: Interval) -> dict[str, float]:
     """Return the columns of the ends of an interval, in percent."""
     return {f"{name}_low": 100.0 * interval.low, f"{name}_high": 100.0 * interval.high}
-
-
-def verdict_of_cycles(rows: pd.DataFrame) -> str:
-    """Return one verdict on a variant from the rows of its cycles: the worst one of all.
-
-    A change beyond the request in one cycle is one of the variant; it is within the request only if
-    it is in all cycles.
-    """
-    known = set(rows.verdict)
-    order = (REFERENCE, *(_VERDICT_OF[key] for key in (False, None, True)))
-    return next((one for one in order if one in known), _VERDICT_OF[None])
 
 
 def _mean(samples: np.ndarray) -> Estimate:

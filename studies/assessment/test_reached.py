@@ -22,9 +22,9 @@ from studies.assessment.reached import (
     assessed_table,
     cost_table,
     hardness_table,
-    verdict_of_cycles,
 )
 from studies.paper.report.content import assessed, numerical_bias
+from studies.paper.report.cycles import verdict_of_cycles
 from tests.studied import study_of
 
 ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")

@@ -22,8 +22,6 @@ from jointclosure.statistics.standard_errors import (
     rounded,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
-from studies.assessment.reached import REFERENCE, verdict_of_cycles
-from studies.assessment.section import AssessmentSection
 from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.settings import SIDES
 from studies.frame.tables import succeeded
@@ -35,6 +33,7 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.layout import case_title, test_name
+from studies.paper.report.cycles import REFERENCE, verdict_of_cycles
 from studies.paper.report.tables import About, frames_of, with_limits
 from studies.paper.requirements import REPORTED
 
@@ -170,7 +169,8 @@ def assessed(
     if not cost.closed:
         return about
     settings = whole[whole.kind == "setting"]
-    within = configuration.section(AssessmentSection).within
+    assessment: Any = configuration.section(sections()["assessment"])
+    within = assessment.within
     about["within"] = percent(within)
     reached = settings[settings.of_study.eq(True) & (settings.verdict != REFERENCE)]
     about["errors"] = [
