@@ -2,8 +2,9 @@
 
 import pytest
 
+from jointclosure.uncertainty import expected_cost
 from jointclosure.uncertainty.expected_cost import relative_cost
-from studies.assessment.plan import FEWEST, LEAST_SECONDS, planned, study_seconds
+from studies.assessment.plan import COSTLY, FEWEST, LEAST_SECONDS, planned, study_seconds
 from studies.frame.cases import base_case, block_settings, closed_keys, seconds_by_paper
 from studies.frame.settings import seeds_of
 from studies.frame.yaml_files import read_plain
@@ -49,7 +50,7 @@ def test_the_default_study_is_assessed_in_all_rocks_within_a_tenth_of_its_time()
 
 
 def test_a_larger_share_closes_more():
-    few, many = (planned(study_of({"assessment": {"share": share}})) for share in (0.1, 0.5))
+    few, many = (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.5))
     assert few.seconds < many.seconds <= 0.5 * many.study_seconds
     assert set(few.ladder) < set(many.ladder)
 
@@ -117,9 +118,12 @@ def test_the_dataset_does_not_depend_on_the_assessment():
     assert keys[0] == keys[1]
 
 
-def test_an_effect_without_which_a_joint_takes_long_is_compared_where_the_share_allows_all():
+def test_an_effect_without_which_a_joint_takes_long_is_compared_where_the_share_allows_all(
+    monkeypatch,
+):
+    monkeypatch.setattr(expected_cost, "NO_GOUGE_COST", 2.0 * COSTLY)
     few, many = (
         {point.coordinates["variant"] for points in plan.points.values() for point in points}
-        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.1))
+        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.3))
     )
     assert many - few >= {"without gouge"}
