@@ -124,6 +124,6 @@ def test_an_effect_without_which_a_joint_takes_long_is_compared_where_the_share_
     monkeypatch.setattr(expected_cost, "NO_GOUGE_COST", 2.0 * COSTLY)
     few, many = (
         {point.coordinates["variant"] for points in plan.points.values() for point in points}
-        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.3))
+        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.02, 0.1))
     )
     assert many - few >= {"without gouge"}

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import jointclosure as jc
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import crossing
+from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from studies.frame.cases import block_settings, cases_of, closed_keys
 from studies.frame.closing import close_joints
@@ -55,7 +55,7 @@ def test_a_study_reads_its_apertures_off_the_joints_history(studies, direction):
     study = study_of(TINY)
     settings = block_settings(study, cases_of(study)[0], range(1))
     walls = next(iter(walls_of(settings)))
-    closed = jc.simulate(*walls, **settings.conditions._asdict() | {"flow": True})
+    closed = simulate_walls(*walls, settings.conditions._replace(flow=True))
     here = (closed.load_cycle == 1).values & (closed.branch == "loading").values
     along = closed.hydraulic_aperture.sel(direction=direction).values[here]
     at = {"case": "slate-base", "realization": 0, "direction": direction, "cycle": 1}
