@@ -84,6 +84,6 @@ def main(shares: list[float], cells: int, output: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    given = {"shares": [0.2, 0.5, 0.7, 0.8, 0.9], "cells": 16}
+    given = {"shares": [0.2, 0.5, 0.7, 0.8, 0.9], "cells": 24}
     asked = yardstick.options(__doc__, **given, output=Path)
     main(asked.shares, asked.cells, asked.output)
