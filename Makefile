@@ -77,7 +77,7 @@ help: ## List the targets
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), and compile all kernels
 	@echo "Compiling the kernels (a minute and a half when they are new) ..."
-	-@$(WITH_MAKE) $(BIN)/python -m jointclosure.joint.warmup ship
+	@$(WITH_MAKE) $(BIN)/python -m jointclosure.joint.warmup ship
 	-@$(WITH_MAKE) $(BIN)/jointclosure doctor
 
 $(STAMP): requirements.lock requirements-uv.lock pyproject.toml

@@ -154,7 +154,7 @@ def separate_equilibrium(contacts, shift):
 
 @kernel
 def separate_shift(contacts, target):
-    """Compute the shift D [m] at which contacts without interaction carry a force [N].
+    """Compute the shift D [m] at which contacts without interaction or limit carry a force [N].
 
     Newton's method for the total force, which increases with the shift, within a bracket: where a
     step leaves it, the bracket is halved instead. The start is the shift at which the tallest

@@ -34,8 +34,8 @@ class SingleInfluence(NamedTuple):
 class Influence(NamedTuple):
     """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
 
-    The grid is padded to (rows, columns), at least twice as large, so that a convolution has no
-    periodic images.
+    The grid is padded to (rows, columns), at least 2 ny - 1 and 2 nx - 1, so that a convolution has
+    no periodic images.
     """
 
     table: np.ndarray  # (ny, nx) by distance in cells; 0 at distance 0, the substrate's term

@@ -1,7 +1,7 @@
 """Arithmetic of one breakage step for many pairs of cells at a time.
 
-A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap. A step is `assess`,
-`measure_drops` (with gouge), `share_losses`, `fixed_losses` or `returning_losses`, and
+A `Batch` holds up to `BATCH` pairs. With fixed steps their neighbourhoods do not overlap. A step
+is `assess`, `measure_drops` (with gouge), `share_losses`, `fixed_losses` or `returning_losses`, and
 `shed_losses`. Every field has contiguous values for all pairs in one block of memory, so that LLVM
 generates vector code: ``a if condition else b`` is a selection there, not a branch, and values that
 do not apply to a pair are computed and not used.
