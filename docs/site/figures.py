@@ -174,7 +174,7 @@ def price_of_accuracy() -> Figure:
             for time in seconds:
                 axes.axvline(time, color="0.85", ls=":" if solver else "-", lw=1.0, zorder=0)
             look = {"ls": ":", "mfc": "white"} if solver else {"ls": "-"}
-            suffix = ", older version" if solver else ""
+            suffix = ", before" if solver else ""
             error = known[f"{response} standard error %"]
             mean = known[f"{response} mean %"].abs()
             axes.errorbar(
@@ -208,7 +208,7 @@ def _setting_names(axes: Axes, tables: dict[str, pd.DataFrame]) -> None:
     """Write the names of the settings above axes of their times."""
     for solver, table in tables.items():
         for row in _known(table).itertuples():
-            name = f"{row.setting} {solver and '(older)'}".strip()
+            name = f"{row.setting} {solver and '(before)'}".strip()
             axes.annotate(
                 name, (row.seconds / row.joints, 1.02), xycoords=("data", "axes fraction"),
                 rotation=90, ha="center", va="bottom", fontsize=9.0,
