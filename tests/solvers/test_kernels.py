@@ -48,13 +48,15 @@ def small_joints() -> dict:
     """
     walls, answers = pair(5, 6), {}
     names = ("closure", "normal_stress", "upper_final", "lower_final", "status")
-    about = {"seating_stress": 0.0, "cycles": 1, "curve_points": 2, "stress_tolerance": 0.05}
+    about = {"seating_stress": 0.0, "cycles": 1, "stress_tolerance": 0.05}
     methods = ("fast", "fixed_step"), ("fast", "resolved"), ("reference", "fixed_step")
     for case in product(well_posed_scenes(), ("pristine", "current"), methods):
         effects, peaks, (solver, breakage) = case
         if peaks == "current" and not all(effects):
             continue
         stated = {"effects": effects, "peaks": peaks, "solver": solver, "breakage": breakage}
+        if not effects.breakage and solver == "fast":  # elsewhere it has no effect
+            stated["curve_points"] = 2
         joint = closed(walls, 5e5, **about | stated)
         answers[case] = [joint[name].values for name in names]
     return answers
