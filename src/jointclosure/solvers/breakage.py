@@ -83,8 +83,9 @@ class Cells(NamedTuple):
 class Due(NamedTuple):
     """Cells to examine at the end of each short step, as one list for each of these moments.
 
-    A cell that becomes due at another moment stays in its former list, as finding it there would
-    take long: of its entries only the latest counts, and only if the cell is due at that moment.
+    A cell that becomes due at another moment is not removed from its former list, where it would
+    have to be searched. Of the entries of a cell in a list the latest counts, and only if the cell
+    is due at the moment of this list.
     """
 
     moment: np.ndarray  # number of the short step at which each cell is due, 0 for none
@@ -96,7 +97,7 @@ class Turns(NamedTuple):
     """Cells that wait to be examined, in one list for each colour."""
 
     colour: np.ndarray  # of each cell
-    waits: np.ndarray  # 1 for a cell that is in a list, else 0; 1 in the margin, which never waits
+    waits: np.ndarray  # 1 for a cell in a list, else 0; 1 in the margin, which is never added
     lists: np.ndarray  # cells (colours, most cells of a colour)
     counts: np.ndarray  # number of waiting cells of each colour
 

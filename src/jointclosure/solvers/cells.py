@@ -41,7 +41,7 @@ def wall_curvature(here, west, east, south, north, least_curvature, concave, spa
     below = north if south == math.inf else south
     above = south if north == math.inf else north
     curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
-    # NaN if there is a single cell in a direction: this profile is straight
+    # with a single cell in a direction it is NaN, and counts as that of a straight profile
     return curvature if curvature > least_curvature else least_curvature
 
 

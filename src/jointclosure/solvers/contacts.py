@@ -202,7 +202,10 @@ def unlimited(cells, overlap, compliance, substrate):
 
 @kernel
 def start_forces(force, cells, overlap):
-    """Return the forces (y, x) [N] at cells (n,), 0 if one is negative or the walls are apart."""
+    """Return the values of ``force`` (y, x) [N] at cells (n,).
+
+    A negative force, and that of a cell whose walls are apart, is 0.
+    """
     start = np.zeros(cells.size)
     flat = force.ravel()
     for i in range(cells.size):
