@@ -135,7 +135,7 @@ size: $(STAMP) ## Study the effects of patch length and grid spacing (95 minutes
 misalignment: $(STAMP) ## Simulate walls that are tilted, or rotated about the normal (34 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/misalignment/misalignment.yaml}" -- misalignment
 
-measured-joints: $(STAMP) ## Compare three measured joints with simulated ones, for several choices of the model (25 minutes of processor time)
+measured-joints: $(STAMP) ## Compare three measured joints with simulated ones, for several choices of the model (60 minutes of processor time)
 	@$(SNAKEMAKE) --configfile "$${CONFIG:-studies/measured_joints/measured_joints.yaml}" -- measured_joints
 
 global-sensitivity: $(STAMP) ## Study properties and open choices that vary together (81 minutes of processor time)

@@ -32,7 +32,7 @@ NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
     "accuracy_requests", "assessment", "conclusions", "continuum", "effects_auto", "flow",
     "global_sensitivity", "global_sensitivity_full", "growth", "growth_once", "jrc_range",
-    "large_pool", "later_loadings", "measured_fit", "measured_joints",
+    "large_pool", "later_loadings", "measured_fit",
     "numerics", "peers", "price_before", "readings_average", "registration", "size",
     "solver_speed", "strength_bound", "variance_reduction",
 )  # fmt: skip
