@@ -44,7 +44,9 @@ def coarse(seed, breakage, name="", swapped=False):
     """A small joint of two rocks, as a map has it, in coarse steps: symmetric like any other."""
     walls = jc.wall_pair(8.0, (20, 16), SPACING, seed=seed)
     about = {"rock": (SOFT, DOLERITE) if swapped else (DOLERITE, SOFT), "largest_radius": 20e-3}
-    about |= {"breakage": breakage, "tolerance": 0.1, "seating_stress": 0.0}
+    about |= {"breakage": breakage, "seating_stress": 0.0}
+    if breakage == "resolved":
+        about["tolerance"] = 0.1
     return joints.closed(MAPS[name](*walls) if name else walls, unusual_values=True, **about)
 
 

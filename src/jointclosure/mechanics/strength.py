@@ -42,7 +42,7 @@ def bounded_strength(curvature, critical, filling):
     at the curvature ``filling``: delta_break = q/filling (kappa/filling)^(1/3), as the indentation
     by a given force goes with kappa^(1/3). ``filling`` is 0 without a bound.
     """
-    part = cube_root(curvature / filling)
+    part = cube_root(curvature / (filling if filling > 0.0 else 1.0))
     whole = curvature >= filling
     return curvature if whole else filling, critical if whole else critical * part
 
