@@ -17,6 +17,7 @@ from tests.processes import python
 
 BOTH = (
     "tests/mechanics",
+    "tests/solvers/test_breakage.py::test_cells_wait_at_the_moment_they_were_last_due_at",
     "tests/solvers/test_equilibrium.py::test_each_point_is_an_equilibrium_at_its_closure",
     "tests/solvers/test_equilibrium.py::test_a_sweep_never_raises_the_energy",
     "tests/solvers/test_equilibrium.py::test_sweeps_end_at_the_solution",
