@@ -26,7 +26,12 @@ from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.states import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
-from jointclosure.joint.step_control import check_elastic_steps, check_foreseen, largest_strength
+from jointclosure.joint.step_control import (
+    check_elastic_steps,
+    check_foreseen,
+    crushes_resolved,
+    largest_strength,
+)
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -162,6 +167,8 @@ def share_of_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditio
 
     It is 0 where nothing bounds this stress (`jointclosure.joint.step_control.largest_strength`).
     """
+    if not crushes_resolved(conditions.effects, conditions.numerics):
+        return 0.0  # without a second joint of the same walls
     pair = both_walls(conditions.rock)
     numerics = in_double(conditions.numerics)
     model = conditions.effects, in_double(conditions.choices), numerics

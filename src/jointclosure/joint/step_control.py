@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Numerics
+from jointclosure.parameters import Effects, Numerics
 from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint, Settled
@@ -281,13 +281,19 @@ def cell_strengths(joint: Joint, numerics: Numerics) -> np.ndarray | None:
     return beyond * law.breaking_force[joint.peaks] / flattest**2
 
 
+def crushes_resolved(effects: Effects, numerics: Numerics) -> bool:
+    """Return whether breakage is resolved with gouge, so that all cells can be crushed at once."""
+    return numerics.breakage == "resolved" and effects.gouge
+
+
 def largest_strength(joint: Joint, numerics: Numerics) -> float:
     """Return the largest stress [Pa] that all cells together carry, if none is locked.
 
     It is infinite unless breakage is resolved with gouge and the strength of cells is bounded.
     """
+    if not crushes_resolved(joint.effects, numerics):
+        return math.inf
     strengths = cell_strengths(joint, numerics)
-    resolved = numerics.breakage == "resolved" and joint.effects.gouge
-    if not resolved or strengths is None:
+    if strengths is None:
         return math.inf
     return float(strengths.sum()) / (joint.upper.size * joint.law.spacing**2)

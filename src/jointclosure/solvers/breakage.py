@@ -370,10 +370,15 @@ def remove_old_entries(due, moment):
 
 
 @kernel
+def listed_moment(due, moment):
+    """Return a moment, or 0 for one at the end of the step, which has no list."""
+    return moment if moment < due.counts.size else 0
+
+
+@kernel
 def set_due(due, cell, moment):
     """Make a cell due at one moment and no other; at none if the moment is the end of the step."""
-    if moment >= due.counts.size:
-        moment = 0
+    moment = listed_moment(due, moment)
     if due.moment[cell] == moment:
         return
     due.moment[cell] = moment
@@ -429,9 +434,7 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
 @kernel
 def let_ring_be_due(cells, due, broken, ring, moment):
     """Examine the cells two away from broken cells (n,) at the next moment, if they overlap."""
-    following = moment + 1
-    if following >= due.counts.size:
-        following = 0
+    following = listed_moment(due, moment + 1)
     for cell in broken:
         for offset in ring:
             near = unsigned(cell + offset)
