@@ -21,7 +21,7 @@ import jointclosure as jc
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
-from jointclosure.joint.simulation import share_of_strength
+from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FLAGS
 from jointclosure.parameters import RESOLVED
 from jointclosure.storage.provenance import write_origin
@@ -61,7 +61,7 @@ def rows_of(rock: str, cells: int, shares: list[float]) -> list[dict]:
             "rock": rock,
             "strength_MPa": 1e-6 * strength,
             "share": share,
-            "share_of_all_cells": share_of_strength(*walls, conditions),
+            "share_of_all_cells": Simulation(*walls, conditions).share_of_strength,
             "status": row["status"],
             "reached_share": row["reached"] / strength,
             "breakage_steps_per_cell": row["breakage_steps"] / cells**2,

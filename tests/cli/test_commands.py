@@ -8,7 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli import doctor
-from jointclosure.joint.simulation import simulate_checked
+from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import STATUSES
 from jointclosure.storage.netcdf import read_netcdf
 from tests.joints import COARSE, SPACING
@@ -63,12 +63,14 @@ def test_stated_settings_are_heeded(elastic):
 
 
 def test_a_failed_simulation_ends_with_its_status_in_words(command, monkeypatch):
+    run = Simulation.run
+
     def failing(*given):
-        closed = simulate_checked(*given)
+        closed = run(*given)
         closed["status"] = closed.status.copy(data=np.int16(64 + 2))
         return closed
 
-    monkeypatch.setattr("jointclosure.joint.simulation.simulate_checked", failing)
+    monkeypatch.setattr(Simulation, "run", failing)
     code, out, _ = command("simulate", "--rock", "slate", *SMALL)
     assert code == 1
     assert "failed: outside_model_range, rigid_contact" in out

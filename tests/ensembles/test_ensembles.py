@@ -20,10 +20,10 @@ from jointclosure.uncertainty.expected_cost import (
     EXPONENTS,
     SMALL,
     Cost,
-    check_cells,
     expected_cost,
 )
 from jointclosure.uncertainty.variants import UncertainJoint, uncertain_joint
+from jointclosure.walls.wall_files import coarser_grid
 from tests.ensembles.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python
@@ -201,13 +201,6 @@ def test_the_cost_of_a_range_is_that_of_the_cells_of_its_variants(monkeypatch):
     assert three.memory - first.memory == 2 * BYTES * upper.size
 
 
-def test_many_cells_need_a_stated_spacing():
-    check_cells((1000, 1000), SPACING, stated=False)
-    check_cells((1001, 1000), SPACING, stated=True)
-    with pytest.raises(jc.InputError, match=r"1000 x 1001 cells .* 1.5 mm"):
-        check_cells((1001, 1000), SPACING, stated=False)
-
-
 FLAT = np.zeros((200, 200))
 
 
@@ -234,4 +227,4 @@ def test_a_forecast_has_the_memory_of_all_joints_at_once(monkeypatch):
 
 @pytest.mark.parametrize(("cells", "step"), [((150, 200), 2), ((150, 401), 3)])
 def test_a_forecast_of_many_cells_comes_with_a_coarser_spacing(cells, step):
-    assert f"{1e3 * step * SPACING:.4g} mm" in estimation.coarser(cells, SPACING)
+    assert f"{1e3 * step * SPACING:.4g} mm" in coarser_grid(cells, SPACING)

@@ -13,8 +13,8 @@ import jointclosure as jc
 from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
-from jointclosure.uncertainty.scanned_joint import _force_in_holes, _simulated
-from jointclosure.walls import motion, registration
+from jointclosure.uncertainty.scanned_joint import _force_in_holes
+from jointclosure.walls import motion, registration, wall_files
 from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
 from jointclosure.walls.motion import Fit, Motion
 from jointclosure.walls.outliers import patches, remove_plateaus, remove_spikes, spikes
@@ -22,7 +22,7 @@ from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.registration import ORIENTATIONS, _BestFit, _check_found, registered
 from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
-from jointclosure.walls.wall_files import registered_walls
+from jointclosure.walls.wall_files import check_cells, registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
@@ -71,6 +71,18 @@ def test_units_are_those_of_each_scan(walls, tmp_path):
     np.testing.assert_allclose(found[0].lower, found[1].lower, atol=1e-12)
     with pytest.raises(jc.InputError, match=r"\('m', 'm', 'm'\): must be one value, or one for"):
         registered_walls(*files, {"units": ("m", "m", "m")})
+
+
+def test_many_cells_need_a_stated_spacing(walls, monkeypatch):
+    check_cells((1000, 1000), SPACING, stated=False)
+    check_cells((1001, 1000), SPACING, stated=True)
+    with pytest.raises(jc.InputError, match=r"1000 x 1001 cells .* 1.5 mm"):
+        check_cells((1001, 1000), SPACING, stated=False)
+    monkeypatch.setattr(wall_files, "LARGEST", 100)
+    scans = [grid(wall, (0.0, 0.0)) for wall in (0.6e-3 - walls[0], walls[1])]
+    with pytest.raises(jc.InputError, match="must be at most 100 cells unless the grid spacing"):
+        registered_walls(*scans, {}, orientation="common_frame")
+    registered_walls(*scans, {}, SPACING, orientation="common_frame")
 
 
 @pytest.mark.parametrize(("name", "quarters"), [*zip(ORIENTATIONS, range(4), strict=True)])
@@ -580,11 +592,11 @@ def test_holes_that_were_filled_do_not_count_in_the_slopes_that_a_wall_lost(wall
 
 
 def test_a_joint_without_holes_has_no_remark_about_their_force(walls):
-    pair = registered(grid(0.6e-3 - walls[0]), grid(walls[1]), **AS_SCANNED)
-    conditions = jc.Conditions(pair.spacing, DOLERITE, 1e6, 1, 0.1e6).checked()
-    history, remarks = _simulated(pair, conditions, (), None)
-    assert remarks == []
-    assert "snapshot_stress" not in history
+    scans = grid(0.6e-3 - walls[0]), grid(walls[1])
+    conditions = jc.Conditions(SPACING, DOLERITE, 1e6, 1, 0.1e6)
+    joint = jc.close(*scans, conditions=conditions, orientation="common_frame", single=True)
+    assert not [line for line in joint.pair.report if "of the force" in line]
+    assert "snapshot_stress" not in joint.history
 
 
 @pytest.mark.parametrize(("gap", "count"), [(3.0, 1), (12.0, 2)])

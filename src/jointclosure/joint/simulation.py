@@ -29,7 +29,6 @@ from jointclosure.joint.status import UNLOADING
 from jointclosure.joint.step_control import (
     check_elastic_steps,
     check_foreseen,
-    crushes_resolved,
     largest_strength,
 )
 from jointclosure.parameters import (
@@ -136,44 +135,10 @@ def simulate(
     walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
-    checked = conditions.checked(snapshots)
-    for doubt in [] if conditions.unusual_values else near_strength(*walls, checked):
+    simulation = Simulation(*walls, conditions.checked(snapshots), snapshots, pristine)
+    for doubt in [] if conditions.unusual_values else simulation.near_strength():
         warnings.warn(doubt, stacklevel=2)
-    return simulate_checked(*walls, checked, report, snapshots, pristine)
-
-
-NEAR_STRENGTH = 0.75
-"""Largest stress over that which all cells together carry, from which a simulation is slow."""
-
-
-def near_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> list[str]:
-    """Say that a simulation of walls (y, x) [m] will be slow, if it is near the strength.
-
-    ``conditions`` were checked. A stress that is too large is refused later.
-    """
-    share = share_of_strength(upper, lower, conditions)
-    if not NEAR_STRENGTH <= share < 1.0:
-        return []
-    return [
-        f"max_normal_stress (--stress) = {1e-6 * conditions.largest_stress:g} MPa is "
-        f"{100.0 * share:.0f} % of the stress that all cells together carry: nearly all of them "
-        "break, and the simulation takes many times as long as at lower stresses "
-        "(docs/hard_cases.md#near-the-strength)"
-    ]
-
-
-def share_of_strength(upper: np.ndarray, lower: np.ndarray, conditions: Conditions) -> float:
-    """Return the largest stress over that which all cells of walls (y, x) [m] carry together.
-
-    It is 0 where nothing bounds this stress (`jointclosure.joint.step_control.largest_strength`).
-    """
-    if not crushes_resolved(conditions.effects, conditions.numerics):
-        return 0.0  # without a second joint of the same walls
-    pair = both_walls(conditions.rock)
-    numerics = in_double(conditions.numerics)
-    model = conditions.effects, in_double(conditions.choices), numerics
-    joint = Joint(upper, lower, conditions.grid_spacing, pair, *model)
-    return float(conditions.largest_stress) / largest_strength(joint, numerics)
+    return simulation.run(report)
 
 
 def simulate_walls(
@@ -188,57 +153,113 @@ def simulate_walls(
     """Simulate two walls (y, x) [m] as `simulate`, and accept unusual values."""
     walls = checked_walls(upper, lower, conditions.grid_spacing)
     checked = conditions._replace(unusual_values=True).checked(snapshots)
-    return simulate_checked(*walls, checked, report, snapshots, pristine, solver_of)
+    return Simulation(*walls, checked, snapshots, pristine, solver_of).run(report)
 
 
-def simulate_checked(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    conditions: Conditions,
-    report: protocol.Report | None = None,
-    snapshots: Sequence[float] = (),
-    pristine: Sequence[ArrayLike] | None = None,
-    solver_of: Callable[[str], Solver] = solver_named,
-) -> xr.Dataset:
-    """Simulate two walls (y, x) [m] as `simulate`; walls and conditions were checked before.
+NEAR_STRENGTH = 0.75
+"""Largest stress over that which all cells together carry, from which a simulation is slow."""
 
-    ``conditions`` are as `Conditions.checked` returns them, for these ``snapshots``. Here only is
-    checked what takes both: the heights against the steps, and the number of steps.
+
+class Simulation:
+    """A joint of two walls, ready to be simulated once.
+
+    Parameters
+    ----------
+    upper, lower : array (y, x)
+        Walls [m], as from `checked_walls`.
+    conditions : Conditions
+        As `Conditions.checked` returns them for these ``snapshots``, with the spacing of the walls.
+    snapshots, pristine
+        As for `simulate`.
+    solver_of : callable
+        Returns the solver of a name.
+
+    Raises
+    ------
+    InputError
+        If what takes both walls and conditions is wrong: the steps against the heights, or the
+        number of steps.
     """
-    spacing = conditions.grid_spacing
-    largest = float(conditions.largest_stress)
-    load = conditions.load
-    effects = conditions.effects
-    choices = in_double(conditions.choices)
-    _check_steps(upper, lower, conditions.numerics)
-    numerics = in_double(conditions.numerics)
-    datums = height_datum(upper), height_datum(lower)
-    intact = _pristine(pristine, upper.shape, datums, choices)
-    upper = upper - datums[0]
-    lower = lower - datums[1]
-    joint = Joint(upper, lower, spacing, conditions.rock, effects, choices, numerics, intact)
-    solver = solver_of(numerics.solver)
-    if effects.breakage or solver.elastic_curve is None:
-        check_foreseen(joint, numerics, largest, len(load))
-    else:
-        check_elastic_steps(numerics, len(load))
-    area = upper.size * spacing**2
-    observers = list[Any]()
-    if conditions.flow:
-        from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
 
-        observers.append(FlowAlongHistory())
-    if len(snapshots):
-        observers.append(Snapshots(snapshots, numerics.stress_tolerance, datums))
-    forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in load]
-    seating_force = cast(float, conditions.seating_stress) * area
-    history = protocol.run_cycles(joint, solver, numerics, forces, seating_force, report, observers)
-    joint.upper += datums[0]
-    joint.lower += datums[1]
-    closed = _history_dataset(joint, history, area, conditions)
-    for observer in observers:
-        closed = observer.added_to(closed)
-    return closed
+    def __init__(
+        self,
+        upper: np.ndarray,
+        lower: np.ndarray,
+        conditions: Conditions,
+        snapshots: Sequence[float] = (),
+        pristine: Sequence[ArrayLike] | None = None,
+        solver_of: Callable[[str], Solver] = solver_named,
+    ) -> None:
+        _check_steps(upper, lower, conditions.numerics)
+        choices = in_double(conditions.choices)
+        numerics = in_double(conditions.numerics)
+        self.conditions = conditions
+        self.snapshots = snapshots
+        self.datums = height_datum(upper), height_datum(lower)
+        self.solver = solver_of(numerics.solver)
+        self.joint = Joint(
+            upper - self.datums[0],
+            lower - self.datums[1],
+            conditions.grid_spacing,
+            conditions.rock,
+            conditions.effects,
+            choices,
+            numerics,
+            _pristine(pristine, upper.shape, self.datums, choices),
+        )
+        largest = float(conditions.largest_stress)
+        cycles = len(conditions.load)
+        if conditions.effects.breakage or self.solver.elastic_curve is None:
+            check_foreseen(self.joint, numerics, largest, cycles)
+        else:
+            check_elastic_steps(numerics, cycles)
+
+    @property
+    def share_of_strength(self) -> float:
+        """Largest stress over that which all cells together carry.
+
+        It is 0 where nothing bounds this stress (`largest_strength`), and of a joint before its
+        simulation.
+        """
+        strongest = largest_strength(self.joint, self.joint.numerics)
+        return float(self.conditions.largest_stress) / strongest
+
+    def near_strength(self) -> list[str]:
+        """Say that the simulation will be slow, if the stress is near the strength of all cells."""
+        share = self.share_of_strength
+        if not NEAR_STRENGTH <= share < 1.0:
+            return []
+        return [
+            f"max_normal_stress (--stress) = {1e-6 * self.conditions.largest_stress:g} MPa is "
+            f"{100.0 * share:.0f} % of the stress that all cells together carry: nearly all of "
+            "them break, and the simulation takes many times as long as at lower stresses "
+            "(docs/hard_cases.md#near-the-strength)"
+        ]
+
+    def run(self, report: protocol.Report | None = None) -> xr.Dataset:
+        """Return the history of the joint, as `simulate` does; ``report`` is as there."""
+        joint = self.joint
+        conditions = self.conditions
+        area = joint.upper.size * joint.law.spacing**2
+        observers = list[Any]()
+        if conditions.flow:
+            from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
+
+            observers.append(FlowAlongHistory())
+        if len(self.snapshots):
+            tolerance = joint.numerics.stress_tolerance
+            observers.append(Snapshots(self.snapshots, tolerance, self.datums))
+        forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load]
+        seating_force = cast(float, conditions.seating_stress) * area
+        history = protocol.run_cycles(
+            joint, self.solver, joint.numerics, forces, seating_force, report, observers
+        )
+        joint.upper += self.datums[0]
+        joint.lower += self.datums[1]
+        closed = _history_dataset(joint, history, area, conditions)
+        for observer in observers:
+            closed = observer.added_to(closed)
+        return closed
 
 
 def _pristine(

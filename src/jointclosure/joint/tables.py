@@ -108,7 +108,8 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
     the flow is blocked at the step before or after.
     """
     history = history_of(joint)
-    levels = history.table_levels() if levels is None else levels
+    if levels is None:
+        levels = history.table_levels()
     columns: dict[str, np.ndarray] = {}
     for kind, closure in history.closures.items():
         since = closure.at(levels) - closure.seats[:, None, None]

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import Effects, Numerics
 from jointclosure.uncertainty.variants import UncertainJoint, threads_for
+from jointclosure.walls.wall_files import coarser_grid
 
 WINDOW = 128  # cells along a side of the window of the walls that is simulated to estimate the time
 EXPONENTS = (1.15, 1.75)
@@ -23,7 +23,6 @@ these walls with 200 x 200 and 300 x 300 cells were within the forecast."""
 BYTES = 1000  # memory for each cell, as measured between 100 x 100 and 400 x 400 cells
 BASE_BYTES = 300e6  # memory of the program with a small joint
 SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
-LARGEST = 1000 * 1000  # most cells that are simulated without a stated grid spacing
 # Time of a joint over that by the paper's steps with all effects, measured on the last two of three
 # joints (100 x 100 cells). Tolerances of 0.1, 0.02 and 0.004 took 4.9, 5.2 and 13 times as long in
 # dolerite (30 MPa), 5.0, 4.0 and 12 times in siltstone (15 MPa). The factors were 3.6 and 6.1
@@ -39,7 +38,6 @@ NO_BREAKAGE_COST = 0.06
 """Relative time without breakage, by any steps."""
 NO_INTERACTION_COST = 0.7
 """Factor of the relative time without interaction."""
-SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
 
 
 class Cost(NamedTuple):
@@ -54,26 +52,7 @@ class Cost(NamedTuple):
         low, high = (rough_time(seconds) for seconds in self.seconds)
         return (
             f"{nx} x {ny} cells will take about {low} to {high} of processor time and "
-            f"{1e-9 * self.memory:.1f} GB; {coarser(shape, spacing)}"
-        )
-
-
-def coarser(shape: tuple[int, int], spacing: float) -> str:
-    """Suggest a multiple of the spacing [m] at which a joint has about `SUGGESTED` cells a side."""
-    step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
-    return (
-        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--spacing, or spacing= in m) takes "
-        "less, but a cell is an asperity: its effect is in the range with other choices"
-    )
-
-
-def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
-    """Raise `InputError` for more than `LARGEST` cells, unless the grid spacing was stated."""
-    cells = shape[0] * shape[1]
-    if cells > LARGEST and not stated:
-        raise InputError(
-            f"{shape[1]} x {shape[0]} cells of {1e3 * spacing:.4g} mm: must be at most {LARGEST:,} "
-            f"cells unless the grid spacing is stated; {coarser(shape, spacing)}"
+            f"{1e-9 * self.memory:.1f} GB; {coarser_grid(shape, spacing)}"
         )
 
 

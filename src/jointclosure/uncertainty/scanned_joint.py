@@ -28,12 +28,12 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
-from jointclosure.joint.simulation import near_strength, simulate_checked
+from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import RESOLVED, check_choices
 from jointclosure.uncertainty.budget import Budget
-from jointclosure.uncertainty.expected_cost import check_cells, expected_cost
+from jointclosure.uncertainty.expected_cost import expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.variants import (
     UncertainJoint,
@@ -223,7 +223,6 @@ def close(
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
     remark = _Remarks(printed=progress)
     remark(pair.report, () if stated.unusual_values else pair.warnings)
-    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
     uncertain = (
         UncertainJoint(pair.upper, pair.lower, conditions)
         if single
@@ -233,8 +232,12 @@ def close(
         print(_description(pair, conditions, name))
     of_noise = _about_noise(pair, uncertain.errors)
     remark(of_noise)
+    has_holes = bool(pair.holes.any())
+    # of the force on holes there is a snapshot at the largest stress, which is given up again
+    taken = (*snapshots, float(conditions.largest_stress)) if has_holes else snapshots
+    simulation = Simulation(pair.upper, pair.lower, conditions, taken)
     if not stated.unusual_values:
-        slow = near_strength(pair.upper, pair.lower, conditions)
+        slow = simulation.near_strength()
         remark(slow, slow)
     cost = expected_cost(uncertain, workers)
     if cost:
@@ -242,7 +245,10 @@ def close(
         remark([sentence], [sentence])
 
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
-        history, of_holes = _simulated(pair, conditions, snapshots, watch)
+        history = simulation.run(watch)
+    of_holes = _force_in_holes(pair, history) if has_holes else []
+    if has_holes:
+        history = with_snapshots(history, snapshots)
     remark(of_holes, () if stated.unusual_values else cautions(of_holes))
     pair = pair._replace(report=[*pair.report, *of_noise, *of_holes])
     joint = ClosedJoint(pair, history, conditions, name, None, tuple(at), joint_length, lab_length)
@@ -284,23 +290,6 @@ def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -
     ny, nx = pair.upper.shape
     cells = f"{nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm"
     return f"{rock_text(conditions.rock, rock_name)}; {cells}: {conditions.load_text()}"
-
-
-def _simulated(
-    pair: RegisteredPair,
-    conditions: Conditions,
-    snapshots: Sequence[float],
-    report: Report | None,
-) -> tuple[xr.Dataset, list[str]]:
-    """Simulate a registered pair; return its history, and remarks on the force on holes.
-
-    The force is that at the largest stress, of which a snapshot is taken and given up again.
-    """
-    if not pair.holes.any():
-        return simulate_checked(pair.upper, pair.lower, conditions, report, snapshots), []
-    with_largest = (*snapshots, float(conditions.largest_stress))
-    history = simulate_checked(pair.upper, pair.lower, conditions, report, with_largest)
-    return with_snapshots(history, snapshots), _force_in_holes(pair, history)
 
 
 def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:

@@ -4,11 +4,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from jointclosure.inputs import InputError, naming
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.scans import read_scan
 
+LARGEST = 1000 * 1000  # most cells of a joint without a stated grid spacing
+SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
 Wall = str | Path | Sequence[str | Path] | Scan | Cloud
 """A wall: file or three files of x, y and heights, scan, or "flat"."""
 
@@ -23,7 +27,8 @@ def registered_walls(
     """Read and register two walls; the message of an error names their files.
 
     ``scans`` are keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower);
-    ``options`` are those of `registered`.
+    ``options`` are those of `registered`. Without a stated ``spacing`` [m] the joint may have
+    `LARGEST` cells.
     """
     for name, value in scans.items():
         if isinstance(value, tuple | list) and len(value) != 2:
@@ -33,13 +38,35 @@ def registered_walls(
         for n, wall in enumerate((upper, lower))
     )
     if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
-        return registered(above, below, spacing, **options)
-    names = (
-        ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
-        for wall in (upper, lower)
+        pair = registered(above, below, spacing, **options)
+    else:
+        names = (
+            ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
+            for wall in (upper, lower)
+        )
+        with naming(" and ".join(names)):
+            pair = registered(above, below, spacing, **options)
+    check_cells(pair.upper.shape, pair.spacing, spacing is not None)
+    return pair
+
+
+def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
+    """Raise `InputError` for more than `LARGEST` cells, unless the grid spacing [m] was stated."""
+    cells = shape[0] * shape[1]
+    if cells > LARGEST and not stated:
+        raise InputError(
+            f"{shape[1]} x {shape[0]} cells of {1e3 * spacing:.4g} mm: must be at most {LARGEST:,} "
+            f"cells unless the grid spacing is stated; {coarser_grid(shape, spacing)}"
+        )
+
+
+def coarser_grid(shape: tuple[int, int], spacing: float) -> str:
+    """Suggest a multiple of the spacing [m] at which a joint has about `SUGGESTED` cells a side."""
+    step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
+    return (
+        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--spacing, or spacing= in m) takes "
+        "less, but a cell is an asperity: its effect is in the range with other choices"
     )
-    with naming(" and ".join(names)):
-        return registered(above, below, spacing, **options)
 
 
 def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:
