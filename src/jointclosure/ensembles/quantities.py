@@ -91,7 +91,9 @@ def _history(
 def _curve(name: str) -> Quantity:
     """Make a quantity of a variable of steps, read at the stresses of each branch."""
     return _history(
-        name, CURVE, rule=lambda joint: joint.curve(joint.closed[name].values, joint.stresses)
+        name,
+        CURVE,
+        rule=lambda joint: joint.read_at_stresses(joint.closed[name].values, joint.stresses),
     )
 
 
@@ -103,12 +105,12 @@ def _net(title: str, name: str, symbol: str = "", unit: str = "m", comment: str 
 
 def _hydraulic(joint: SimulatedJoint) -> np.ndarray:
     along = joint.closed.hydraulic_aperture.values.T
-    return np.stack([joint.curve(values, joint.stresses) for values in along])
+    return np.stack([joint.read_at_stresses(values, joint.stresses) for values in along])
 
 
 def _loop(joint: SimulatedJoint) -> np.ndarray:
     half = np.array([0.5 * np.max(joint.conditions.max_normal_stress)])
-    return loop_between(*joint.curve(joint.closed.closure.values, half)[:, :, 0].T)
+    return loop_between(*joint.read_at_stresses(joint.closed.closure.values, half)[:, :, 0].T)
 
 
 def _aperture_at_seating(joint: SimulatedJoint) -> np.ndarray:

@@ -47,7 +47,7 @@ class SimulatedJoint:
         """Net closures and stiffness of each cycle (`net_responses`)."""
         return net_responses(self.closed)
 
-    def curve(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+    def read_at_stresses(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Return values of steps (steps,) at stresses [Pa], over (cycle, branch, stress)."""
         tolerance = self.conditions.numerics.stress_tolerance
         cycles = self.conditions.cycle_count
