@@ -10,6 +10,7 @@ from jointclosure.ensembles.oracle_limits import largest_ratio, limits_of, toler
 from jointclosure.ensembles.quantities import COLUMNS, HEADINGS, QUANTITIES
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.cycles import largest_jump
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.tables import cycle_table
@@ -64,6 +65,16 @@ def test_a_jump_is_the_way_to_where_loading_exceeds_a_stress_again():
     assert value("largest_jump", jumped) == 0.0
     made["normal_stress"][4] = 2.0  # not exceeded again until the end
     assert value("largest_jump", jumped) == pytest.approx(1.0 / 4.0)
+
+
+def test_the_largest_jump_is_that_of_all_cycles():
+    steps = {"closure": [0.0, 1.0, 3.0, 4.0, 3.0, 3.5, 4.0, 3.0]}
+    steps |= {"normal_stress": [0.0, 2.0, 1.0, 3.0, 0.0, 2.0, 3.0, 0.0]}
+    steps |= {"load_cycle": [1] * 5 + [2] * 3}
+    steps["branch"] = [*["loading"] * 4, "unloading", *["loading"] * 2, "unloading"]
+    made = xr.Dataset({name: ("step", values) for name, values in steps.items()})
+    made = made.assign(max_closure=("cycle_number", [4.0, 1.0]))
+    assert largest_jump(made) == pytest.approx(2.5 / 4.0)
 
 
 def test_what_places_a_joint_among_hard_cases_is_counted_in_its_walls(joint):

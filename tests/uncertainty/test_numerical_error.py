@@ -1,4 +1,4 @@
-"""The stated numerical error of a joint grows with all that is known to make it uncertain."""
+"""The limit of the numerical error of one joint: its terms, and where nothing is known."""
 
 import math
 
@@ -6,57 +6,49 @@ import numpy as np
 import pytest
 
 from jointclosure.uncertainty.numerical_error import (
-    EXPECTED_FIRST,
-    EXPECTED_LATER,
-    FACTOR,
-    PRIOR_WEIGHT,
+    LEAST,
+    MULTIPLE,
+    OF_JUMP,
+    OF_SCATTER,
     numerical_error,
     scatter_of,
 )
-
-ALIKE = {"value": 1.0, "changed": [1.0] * 3, "copies": [1.0] * 4, "contacts": 256.0, "cycle": 1}
-
-
-def stated(**changes):
-    return numerical_error(**ALIKE | changes)
+from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
 
 
-def test_copies_that_agree_leave_the_scatter_that_is_expected_of_so_few_contacts():
-    share = PRIOR_WEIGHT / (PRIOR_WEIGHT + 3)
-    assert stated() == pytest.approx(FACTOR * EXPECTED_FIRST * math.sqrt(share / 256))
-    assert stated(contacts=16.0) == pytest.approx(4.0 * stated())
-    assert stated(cycle=2) == pytest.approx(FACTOR * EXPECTED_LATER * math.sqrt(share))
-    assert math.isfinite(stated(contacts=0.0))
+def stated(values=(1.0, 1.0, 1.0), jump=0.0, quantity=CLOSURE_NET, cycle=1):
+    return numerical_error(values, jump, quantity, cycle)
 
 
-def test_a_change_with_the_tolerance_counts_in_both_directions():
-    up, down = (stated(changed=[value] * 3) for value in (1.1, 1.0 / 1.1))
-    assert up == pytest.approx(down)
-    assert up > FACTOR * math.log(1.1) / math.sqrt(2.0)
+def test_results_that_agree_without_a_jump_leave_the_least_error():
+    assert stated() == pytest.approx(MULTIPLE * LEAST)
 
 
-def test_of_many_copies_the_scatter_is_theirs():
-    copies = [1.0, 1.2] * 50
-    scatter = np.std(np.log(copies), ddof=1)
-    assert stated(copies=copies) == pytest.approx(FACTOR * scatter, rel=0.02)
-    assert stated(copies=[1.0, 1.2]) > stated()
+@pytest.mark.parametrize("quantity", [CLOSURE_NET, STIFFNESS])
+@pytest.mark.parametrize("cycle", [1, 2])
+def test_terms_add_up_as_squares(quantity, cycle):
+    values = [1.0, 1.1, 0.95]
+    scatter = np.std(np.log(values), ddof=1)
+    squares = LEAST**2 + (OF_JUMP[quantity, cycle == 1] * 0.04) ** 2 + (OF_SCATTER * scatter) ** 2
+    assert stated(values, 0.04, quantity, cycle) == pytest.approx(MULTIPLE * math.sqrt(squares))
+
+
+def test_a_change_counts_in_both_directions():
+    assert stated([1.0, 1.1]) == pytest.approx(stated([1.0, 1.0 / 1.1]))
 
 
 def test_the_unit_of_a_result_does_not_matter():
-    values = {"value": 1.0, "changed": [1.1, 1.05], "copies": [1.0, 1.1, 1.05]}
-    scaled = {"value": 1e-6, "changed": [1.1e-6, 1.05e-6], "copies": [1e-6, 1.1e-6, 1.05e-6]}
-    assert stated(**values) == pytest.approx(stated(**scaled))
+    values = np.array([1.0, 1.1, 1.05])
+    assert stated(1e-6 * values) == pytest.approx(stated(values))
 
 
-@pytest.mark.parametrize(
-    "changes", [{"changed": []}, {"changed": [math.nan]}, {"value": math.nan}, {"value": 0.0}]
-)
-def test_nothing_is_stated_where_nothing_is_known(changes):
-    assert math.isnan(stated(**changes))
+@pytest.mark.parametrize("values", [[1.0], [1.0, math.nan], [1.0, 0.0]])
+def test_nothing_is_stated_where_nothing_is_known(values):
+    assert math.isnan(stated(values))
 
 
 def test_a_copy_that_failed_does_not_count():
-    assert stated(copies=[1.0, math.nan, 1.1]) == stated(copies=[1.0, 1.1])
+    assert stated([1.0, math.nan, 1.1]) == stated([1.0, 1.1])
     assert scatter_of([1.0, math.nan, 1.1]) == scatter_of([1.0, 1.1])
     assert scatter_of([1.0]) == 0.0
 

@@ -17,12 +17,13 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import ENDS, cycle_table, stress_table
 from jointclosure.plotting.joint import engineering_figure, range_figure
 from jointclosure.uncertainty import budget as budget_module
+from jointclosure.uncertainty import ranges as ranges_module
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
 from jointclosure.uncertainty.ranges import (
     NUMBERS,
     WIDENED,
-    WIDENED_LATER,
+    WIDENED_OTHERS,
     WIDER,
     bands_of,
     numerical_errors_of,
@@ -80,7 +81,9 @@ def test_bands_with_other_choices_contain_those_of_nine_in_ten(budget):
     at_maximum = curves[curves.branch == "loading"].iloc[-1]
     for end in WIDER:
         band = at_maximum[f"closure_net_since_seating_mm_{end}"]
-        assert band == pytest.approx(budget.ranges.loc[(1, CLOSURE_NET), end], rel=0.05)
+        row = budget.ranges.loc[1, CLOSURE_NET]
+        factors = np.log([band / row.best, row[end] / row.best])
+        assert factors[0] == pytest.approx(factors[1], rel=0.05)
 
 
 def test_named_stresses_have_ranges_with_other_choices_too(budget):
@@ -178,6 +181,12 @@ def test_variants_of_another_tolerance_are_compared_with_the_joint_that_has_it()
     assert 1.03 < wider.high < 1.3
 
 
+@pytest.fixture
+def as_sources_make_it(monkeypatch):
+    """Ranges as wide as the sources make them, without the factor of their width."""
+    monkeypatch.setattr(ranges_module, "WIDENED_OTHERS", 1.0)
+
+
 def lower_end(*of):
     return float(np.log(range_of(*of).low / 2.0))
 
@@ -190,6 +199,7 @@ def test_departures_are_an_interaction_of_the_sources_that_act():
     assert 1.2 < mixed.a + mixed.b < 1.8
 
 
+@pytest.mark.usefixtures("as_sources_make_it")
 def test_the_range_holds_nine_in_ten_of_the_random_results():
     assert lower_end({"a": 1.0}) == pytest.approx(-0.9, abs=1e-3)
     both = lower_end({"a": 1.0, "b": 1.0})  # the sum of both has a triangular density
@@ -198,6 +208,7 @@ def test_the_range_holds_nine_in_ten_of_the_random_results():
     assert scipy.stats.norm.cdf(noise).mean() == pytest.approx(0.05, abs=0.02)
 
 
+@pytest.mark.usefixtures("as_sources_make_it")
 def test_both_ends_leave_out_a_twentieth():
     for widths in ({"a": 1.0}, {"a": 0.5, "b": 2.0}):
         found = range_of(widths)
@@ -215,6 +226,7 @@ def of_equal_departures():
     return sources, shares, further, ["", "a", "a", *[ALL] * 16], 2.0 * np.exp(logs)
 
 
+@pytest.mark.usefixtures("as_sources_make_it")
 def test_departures_have_the_variance_of_a_further_joint():
     """Student's t of a sample of n about its mean: s^2 (1 + 1/n), with s^2 = 16/15 and n = 16."""
     sources, shares, further, names, values = of_equal_departures()
@@ -255,15 +267,16 @@ def half_widths():
     return widths.high - widths.low
 
 
-def test_ranges_of_later_cycles_are_wider(half_widths):
-    """By the factor that pairs of known truth needed, on the scale of the range."""
-    assert half_widths[2, CLOSURE] == pytest.approx(WIDENED_LATER * half_widths[1, CLOSURE])
-
-
-def test_ranges_of_apertures_are_wider_in_all_cycles(half_widths):
-    wider = WIDENED["aperture"] * half_widths[1, CLOSURE]
-    assert half_widths[1, APERTURE] == pytest.approx(wider)
-    assert half_widths[2, APERTURE] == pytest.approx(half_widths[1, APERTURE])
+def test_ranges_are_widened_by_the_factors_that_pairs_of_known_truth_needed(half_widths):
+    """They are those of results on all cycles, on the scale of the range."""
+    alone = half_widths[1, CLOSURE] / WIDENED_OTHERS
+    *_, values = of_equal_departures()
+    changes = np.log(values[3:] / values[0])
+    scale = np.sqrt((1.0 + 1.0 / changes.size) * changes.var(ddof=1))
+    assert alone == pytest.approx(2.0 * scale * scipy.stats.t.ppf(0.95, 15), rel=5e-3)
+    for cycle in (1, 2):
+        assert half_widths[cycle, STIFFNESS] == pytest.approx(WIDENED_OTHERS * alone)
+        assert half_widths[cycle, APERTURE] == pytest.approx(WIDENED["aperture"] * alone)
 
 
 def test_bands_of_apertures_are_wider_as_their_ranges(half_widths):
@@ -338,6 +351,7 @@ def test_a_band_of_stiffness_is_a_curve_without_steps():
     assert (low < high).all()
 
 
+@pytest.mark.usefixtures("as_sources_make_it")
 def test_a_band_contains_the_curve_of_the_joint():
     """Though all joints with random values lie above it."""
     sources = {"noise": Source((0, 1, 2), "random")}
@@ -624,6 +638,7 @@ def test_choices_that_are_changed_are_those_of_the_global_sensitivity_study():
     assert list(PLAUSIBLE["peaks"]) == studied["peaks"]
 
 
+@pytest.mark.usefixtures("as_sources_make_it")
 @pytest.mark.parametrize("factor", [0.5, 0.0, 1.0, 2.0, -1.0])
 def test_sources_that_do_not_add_up_count_by_what_they_do_together(factor):
     """The changes of joints with random values are a multiple of the expected sums."""
@@ -714,44 +729,56 @@ def test_a_range_of_no_more_than_rounding_is_not_modelled(below):
     assert text == "not modelled"
 
 
-def rows_of_steps(best, others, copies, contact=0.25):
+def rows_of_steps(best, others, copies):
     """Results of a joint, of other steps, and of copies, on one cycle."""
     rows = [("", "", best), ("breakage", "tolerance 0.04", others)]
     rows += [(ORDER, f"copy {n}", value) for n, value in enumerate(copies)]
     table = pd.DataFrame(rows, columns=["source", "value", CLOSURE_NET])
-    return table.assign(cycle=1, contact_at_max=contact, stiffness_net_MPa_per_mm=1.0)
+    return table.assign(cycle=1, stiffness_net_MPa_per_mm=1.0)
 
 
 CHANGED = [1.1, 1.12, 1.08]
 """A result by other steps, and those of copies by the same steps."""
 
 
-@pytest.fixture(scope="module")
-def errors_of_copies():
-    found = numerical_errors_of(rows_of_steps(1.0, 1.1, [1.12, 1.08]), shared=True, cells=400)
+def closure_error(table, **about):
+    found = numerical_errors_of(table, **{"shared": True, "jump": 0.02} | about)
     return found[found.quantity == CLOSURE_NET].iloc[0]
 
 
-def test_the_error_compares_copies_by_other_steps_with_the_joint(errors_of_copies):
-    assert errors_of_copies.error == numerical_error(1.0, CHANGED, [1.0, *CHANGED], 100.0, 1)
+@pytest.fixture(scope="module")
+def errors_of_copies():
+    return closure_error(rows_of_steps(1.0, 1.1, [1.12, 1.08]))
+
+
+def test_the_error_compares_the_joint_with_other_steps_and_all_copies(errors_of_copies):
+    assert errors_of_copies.error == numerical_error([1.0, *CHANGED], 0.02, CLOSURE_NET, 1)
 
 
 def test_the_scatter_compares_copies_by_other_steps_with_each_other(errors_of_copies):
     assert errors_of_copies.scatter == scatter_of(CHANGED)
 
 
-def test_copies_with_the_steps_of_the_joint_show_no_change_with_the_steps():
-    table = rows_of_steps(1.0, 1.1, [1.02, 0.98])
-    found = numerical_errors_of(table, shared=False, cells=400)
-    closure = found[found.quantity == CLOSURE_NET].iloc[0]
-    assert closure.error == numerical_error(1.0, [1.1], [1.0, 1.02, 0.98], 100.0, 1)
+def test_copies_with_the_steps_of_the_joint_scatter_with_it():
+    closure = closure_error(rows_of_steps(1.0, 1.1, [1.02, 0.98]), shared=False)
+    assert closure.error == numerical_error([1.0, 1.1, 1.02, 0.98], 0.02, CLOSURE_NET, 1)
     assert closure.scatter == scatter_of([1.0, 1.02, 0.98])
+
+
+def test_no_error_is_stated_where_all_other_steps_failed():
+    assert np.isnan(closure_error(rows_of_steps(1.0, np.nan, [1.02, 0.98]), shared=False).error)
+
+
+def test_the_error_is_that_of_its_cycle():
+    table = rows_of_steps(1.0, 1.1, [1.12, 1.08]).assign(cycle=2)
+    expected = numerical_error([1.0, *CHANGED], 0.02, CLOSURE_NET, 2)
+    assert closure_error(table).error == expected
 
 
 def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
     for spread, unstable in ((0.1, False), (0.3, True)):
         table = rows_of_steps(1.0, 1.0, [1.0 + spread, 1.0 - spread])
-        numerical = numerical_errors_of(table, shared=True, cells=400)
+        numerical = numerical_errors_of(table, shared=True, jump=0.0)
         budget = Budget(table, pd.DataFrame(), (), numerical=numerical)
         lines = budget._numerical_error(CLOSURE_NET)
         assert "numerical error at most" in lines[0]

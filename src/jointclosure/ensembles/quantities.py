@@ -7,7 +7,7 @@ import numpy as np
 
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.attributes import ATTRIBUTES
-from jointclosure.joint.cycles import hysteresis, loop_between
+from jointclosure.joint.cycles import hysteresis, largest_jump, loop_between
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.status import LOADING, unbreakable_share
 from jointclosure.walls.roughness import bearing_depths, rms_slope
@@ -129,28 +129,6 @@ def _volume_error(joint: SimulatedJoint) -> float:
     return max(errors)
 
 
-def _largest_jump(joint: SimulatedJoint) -> float:
-    """Return the largest closure of a loading at constant stress, over its whole closure.
-
-    It is the closure from a peak of the stress to where the loading exceeds this peak.
-    """
-    shares = []
-    for cycle in range(1, joint.closed.max_closure.size + 1):
-        loading = joint.history.branch(cycle, LOADING).steps
-        curve = joint.closed.isel(step=loading)
-        closure = curve.closure.values
-        stress = np.append(curve.normal_stress.values, np.inf)
-        reached = np.maximum.accumulate(stress)
-        before, beyond = (np.searchsorted(reached, reached[:-1], at) for at in ("left", "right"))
-        low = stress[beyond - 1]
-        high = stress[beyond]
-        share = (reached[:-1] - low) / (high - low)
-        end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
-        closed = closure[-1] - closure[0]
-        shares.append(float(np.max(end - closure[before])) / closed if closed > 0.0 else 0.0)
-    return max(shares)
-
-
 def _oracle_ratio(joint: SimulatedJoint) -> float:
     # only here, as it loads the solvers, which jobs that tabulate do not need
     from jointclosure.ensembles.oracle_limits import oracle_ratio
@@ -240,7 +218,8 @@ QUANTITIES: dict[str, Quantity] = {
         lambda joint: float(unbreakable_share(joint.closed).max())),
     "largest_jump": Quantity(
         "largest closure of a loading at constant stress, over its closure", "1", (),
-        _largest_jump, further={"comment": "where a test that controls the stress would jump"}),
+        lambda joint: largest_jump(joint.closed),
+        further={"comment": "where a test that controls the stress would jump"}),
     "contacts_at_max": Quantity(
         "largest number of cells in contact at the maximum stress", "1", (),
         lambda joint: float(

@@ -7,6 +7,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.joint.history import Branch, History, history_of
+from jointclosure.joint.status import LOADING
 
 CHORD_START = 0.5
 """Stress at which the chord of the net stiffness starts, over the maximum of the cycle."""
@@ -61,6 +62,31 @@ def hysteresis(joint: xr.Dataset) -> np.ndarray:
 def _work(history: History, branch: Branch) -> float:
     """Return the integral [J/m2] of the stress of a branch over the gross closure."""
     return np.trapezoid(history.stress[branch.steps], history.gross.values[branch.steps])
+
+
+def largest_jump(joint: xr.Dataset) -> float:
+    """Return the largest closure of a loading at constant stress, over its whole closure [1].
+
+    It is the closure from a peak of the stress to where the loading exceeds this peak, in which a
+    group of asperities breaks at once. It is the largest of all cycles.
+    """
+    history = history_of(joint)
+    shares = []
+    for cycle in range(1, joint.max_closure.size + 1):
+        loading = history.branch(cycle, LOADING).steps
+        if not loading.size:
+            continue
+        closure = history.gross.values[loading]
+        stress = np.append(history.stress[loading], np.inf)
+        reached = np.maximum.accumulate(stress)
+        before, beyond = (np.searchsorted(reached, reached[:-1], at) for at in ("left", "right"))
+        low = stress[beyond - 1]
+        high = stress[beyond]
+        share = (reached[:-1] - low) / (high - low)
+        end = closure[beyond - 1] + share * np.append(np.diff(closure), 0.0)[beyond - 1]
+        closed = closure[-1] - closure[0]
+        shares.append(float(np.max(end - closure[before])) / closed if closed > 0.0 else 0.0)
+    return max(shares)
 
 
 def loop_between(loading: Any, unloading: Any) -> Any:

@@ -19,6 +19,7 @@ import xarray as xr
 from jointclosure.execution.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.cycles import largest_jump
 from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
@@ -357,7 +358,7 @@ def uncertainty_budget(
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
     of_steps = sources.get("breakage")
     shared = of_steps is not None and of_steps.kind == SHARED
-    numerical = numerical_errors_of(results, shared, joint.upper.size)
+    numerical = numerical_errors_of(results, shared, largest_jump(closed))
     limits = limits_of_error(numerical)
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER], limits)
     ranges = ranges_of(results, sources, shares, further, limits)
