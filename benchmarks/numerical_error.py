@@ -40,7 +40,8 @@ from jointclosure.uncertainty.numerical_error import (
     scatter_of,
 )
 from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
-from jointclosure.uncertainty.variants import COPIES, coarser
+from jointclosure.uncertainty.sources import coarser
+from jointclosure.uncertainty.variants import COPIES
 
 TRUE = 0.125
 """Tolerance by which the true closure is simulated, over that of `close`."""

@@ -31,15 +31,15 @@ from benchmarks.registration import Truth
 from jointclosure.ensembles.quantities import CURVES, HEADINGS
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import members, stress_table
+from jointclosure.joint.tables import columns_of, stress_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.ranges import WIDER
 from jointclosure.uncertainty.results import CLOSURE_NET, CONTACT, KNI, STIFFNESS, VM, results_of
 from jointclosure.uncertainty.scanned_joint import ClosedJoint
-from jointclosure.uncertainty.sources import ALL, MULTIPLE
-from jointclosure.uncertainty.variants import Variant, sources_of, variants_of
+from jointclosure.uncertainty.sources import ALL, MULTIPLE, sources_of
+from jointclosure.uncertainty.variants import Variant, variants_of
 from jointclosure.walls.gridding import paper_spacing
 
 RESULTS = (CLOSURE_NET, STIFFNESS, KNI, VM, "mean_aperture_at_max_mm", CONTACT)
@@ -147,7 +147,7 @@ def compared(number: int) -> list[dict]:
             if kind != USUAL:  # bands have no range with other choices
                 continue
             for name in ALONG:
-                ends = members(curves, name)
+                ends = columns_of(curves, name)
                 for part, stress in zip(SHARES_OF_MAXIMUM, at, strict=True):
                     place = cycle, LOADING, stress
                     values = (*bands.loc[place, ends], true_curves.loc[place, name])

@@ -27,7 +27,8 @@ from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.provenance import write_origin
-from jointclosure.uncertainty.variants import COPIES, coarser
+from jointclosure.uncertainty.sources import coarser
+from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls.wall_files import registered_walls
 
 NONE, BASE = "none, as in the paper", "strength bounded by the base"

@@ -187,7 +187,10 @@ def forces_of_overlaps(overlap, compliance, substrate):
 
 
 def slopes_of_forces(force, compliance, substrate):
-    """Compute dF/d(delta_S) (n,) [N/m] of contacts at forces (n,); 0 if those are 0 or infinite."""
+    """Compute the slope of the contact law dF/d(delta_S) (n,) [N/m] at forces (n,), for the oracle.
+
+    It is 0 at forces of 0 and at infinite ones.
+    """
     root = np.cbrt(np.where(np.isinf(force), 0.0, force))
     slope = np.zeros(root.size)
     stiff = 3 * substrate * root + 2 * compliance

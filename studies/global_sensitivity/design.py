@@ -10,7 +10,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.statistics.variance_indices import part_of, sampled_rows
+from jointclosure.statistics.variance_indices import level_of, sampled_rows
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import Configuration, configured, resolved
 from studies.frame.settings import ClosureSettings
@@ -101,7 +101,7 @@ def keys_at(sampling: Sampling, rock: str, point, only: Collection[str] = ()) ->
 def value_at(one: Input, rock: Mapping, u: float):
     """Return the value of an input at u in [0, 1], in the unit of its key, for keys of a rock."""
     if one.values:
-        return one.values[int(part_of(u, len(one.values)))]
+        return one.values[int(level_of(u, len(one.values)))]
     low, high = range_of(one, rock)
     return float(low * (high / low) ** u if one.logarithmic else low + (high - low) * u)
 

@@ -22,7 +22,7 @@ from jointclosure.uncertainty.expected_cost import (
     Cost,
     expected_cost,
 )
-from jointclosure.uncertainty.variants import UncertainJoint, uncertain_joint
+from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
 from jointclosure.walls.wall_files import coarser_grid
 from tests.ensembles.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING

@@ -15,7 +15,7 @@ from jointclosure.joint import cycles
 from jointclosure.joint.cycles import loop_between, net_responses, unloading_excess
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import crossing, rising_slopes
-from jointclosure.uncertainty.variants import coarser
+from jointclosure.uncertainty.sources import coarser
 from tests.joints import SPACING, closed
 
 STRESS = np.array([0.0, 1.0, 3.0, 2.0, 4.0])

@@ -19,7 +19,7 @@ from jointclosure.measured.joints import SimulatedWalls
 from jointclosure.measured.region import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
 from jointclosure.statistics.randomness import generator
-from jointclosure.uncertainty.variants import coarser
+from jointclosure.uncertainty.sources import coarser
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
 from tests.joints import COARSE, SPACING

@@ -8,7 +8,7 @@ from jointclosure.statistics.variance_indices import (
     _shapley_values,
     design_matrix,
     fitted,
-    part_of,
+    level_of,
     sampled_rows,
     shapley_effects,
     terms_of,
@@ -126,7 +126,7 @@ def test_what_has_no_index_is_said():
 
 
 def test_points_at_the_end_of_an_input_of_few_values_have_its_last_one():
-    assert part_of([0.0, 0.33, 0.34, 0.999, 1.0], 3).tolist() == [0, 0, 1, 2, 2]
+    assert level_of([0.0, 0.33, 0.34, 0.999, 1.0], 3).tolist() == [0, 0, 1, 2, 2]
     coefficients = np.ones(len(terms_of((3,))))
     assert np.isfinite(design_matrix(np.array([[1.0]]), (3,), terms_of((3,))) @ coefficients).all()
 

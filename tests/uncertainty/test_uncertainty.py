@@ -31,17 +31,13 @@ from jointclosure.uncertainty.ranges import (
     total_indices,
 )
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET, QUANTITIES, STIFFNESS, VM
-from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, Source
-from jointclosure.uncertainty.variants import (
-    DRAWS,
-    PLAUSIBLE,
-    random_shares,
-    sources_of,
+from jointclosure.uncertainty.sources import ALL, ORDER, PLAUSIBLE, SHARED, Source, sources_of
+from jointclosure.uncertainty.uncertain_joint import (
     threads_for,
     uncertain_joint,
     uncertainty_budget,
-    variants_of,
 )
+from jointclosure.uncertainty.variants import DRAWS, random_shares, variants_of
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair

@@ -8,7 +8,8 @@ import scipy
 
 import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
-from jointclosure.uncertainty.variants import Variant, sources_of
+from jointclosure.uncertainty.sources import sources_of
+from jointclosure.uncertainty.variants import Variant
 from jointclosure.walls.gridding import Cloud, Scan, filled, points_of
 from jointclosure.walls.registration import registered
 from jointclosure.walls.roughness import detrended, rms_slope

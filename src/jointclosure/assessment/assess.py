@@ -36,7 +36,8 @@ from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
-from jointclosure.uncertainty.variants import COPIES, coarser
+from jointclosure.uncertainty.sources import coarser
+from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
 from jointclosure.walls.wall_files import registered_walls
 
@@ -369,10 +370,10 @@ def assess(
     report: Callable[[float, str], None] = lambda share, variant: None,
     **changes: Unpack[Changes],
 ) -> Assessment:
-    """Assess a joint: what accuracy costs, how hard the joint is, and which effects it needs.
+    """Assess a joint: what accuracy costs, how reliable its closure is, and which effects it needs.
 
-    The joint is simulated with several numerical settings, without each effect, and as copies that
-    should give equal results (docs/accuracy.md#your-own-joint).
+    The joint is simulated with several numerical settings, without groups of effects, and as copies
+    that should give equal results (docs/accuracy.md#your-own-joint).
 
     Parameters
     ----------
@@ -380,11 +381,12 @@ def assess(
         Arrays (y, x) of heights towards the other wall [m]; or two scans as for
         `jointclosure.close`.
     within : float
-        Relative error that is requested of mean closures, and up to which an effect can be left
-        out, in (0, 1).
+        Requested relative error of closures, from those of the finest setting, and relative change
+        up to which an effect can be left out, in (0, 1).
     budget : float, optional
-        Processor time [s]. If given, the most accurate setting within this time is named, in place
-        of the cheapest one within the request.
+        Processor time [s] of the joint, or of all joints of a mean for several pairs of walls. If
+        given, the most accurate setting within this time is named, in place of the cheapest one
+        within the request.
     folder : path, optional
         Existing folder where simulated joints are kept, so that an interrupted assessment can
         continue.

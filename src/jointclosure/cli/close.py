@@ -26,7 +26,7 @@ from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import RESOLVED
 from jointclosure.parameters.units import to_si
 from jointclosure.uncertainty.scanned_joint import ClosedJoint, close
-from jointclosure.uncertainty.variants import VARIED
+from jointclosure.uncertainty.sources import VARIED
 from jointclosure.walls.gridding import FLAT
 from jointclosure.walls.scans import file_digest
 

@@ -16,7 +16,7 @@ from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
 from jointclosure.joint.status import LOADING, ONLY_BOUNDS
-from jointclosure.joint.tables import curve_table, cycle_table, members
+from jointclosure.joint.tables import columns_of, curve_table, cycle_table
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -84,7 +84,7 @@ def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of loadings whose closure is known, without further named stresses."""
     usual = curves.normal_stress_MPa.isin(history_of(joint).table_levels() / 1e6)
     loading = curves[usual & (curves.branch == LOADING)]
-    return loading.dropna(subset=members(curves, "closure_net_since_seating_mm"))
+    return loading.dropna(subset=columns_of(curves, "closure_net_since_seating_mm"))
 
 
 def _last_from_seating(joint: xr.Dataset, curves: pd.DataFrame) -> int | None:
@@ -131,9 +131,9 @@ def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str,
     rows = known[known.cycle == cycle]
     last = {}
     shown = [name for name in CURVES if name in rows]
-    for number, _ in enumerate(members(curves, shown[0])):
+    for number, _ in enumerate(columns_of(curves, shown[0])):
         ending = ("", "_low", "_high")[number]
-        of_end = {name: rows[members(curves, name)[number]] for name in shown}
+        of_end = {name: rows[columns_of(curves, name)[number]] for name in shown}
         about = rows[["cycle", "normal_stress_MPa"]]
         last[ending] = pd.DataFrame(of_end | dict(about))
     return last
@@ -427,7 +427,7 @@ def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     tables = _TABLES if history_of(joint).has_flow else _TABLES[:1]
     for comment, name, column, scale in tables:
         lines.append(f"; {comment}")
-        for member, ending in zip(members(curves, column), ("", "-low", "-high"), strict=False):
+        for member, ending in zip(columns_of(curves, column), ("", "-low", "-high"), strict=False):
             for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
                 pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
                 text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)

@@ -17,9 +17,9 @@ from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
 from jointclosure.joint.status import FAILURE, LOADING, ONLY_BOUNDS, STATUSES
 from jointclosure.joint.tables import (
     HYDRAULIC,
+    columns_of,
     has_bands,
-    members,
-    wider_members,
+    wider_columns_of,
 )
 from jointclosure.statistics.standard_errors import number_text, significant
 from jointclosure.storage.folders import replace_files, write
@@ -180,8 +180,8 @@ def named_table(
     known of a single run.
     """
     known = (curves.branch == LOADING) & curves.normal_stress_MPa.isin(np.asarray(at) / 1e6)
-    rows = curves[known].dropna(subset=members(curves, _NAMED[0]))  # that the cycle reached
-    if rows.empty or (with_choices and not wider_members(curves, _NAMED[0])):
+    rows = curves[known].dropna(subset=columns_of(curves, _NAMED[0]))  # that the cycle reached
+    if rows.empty or (with_choices and not wider_columns_of(curves, _NAMED[0])):
         return pd.DataFrame()
     shown = rows[["cycle", "normal_stress_MPa"]].rename(
         columns={"normal_stress_MPa": "normal stress (MPa)"}
@@ -189,7 +189,7 @@ def named_table(
     figures = 2 if has_bands(curves) else 4
     for name in _NAMED:
         if name in curves and with_choices:
-            low, high = (_texts(rows[column], name, 2) for column in wider_members(curves, name))
+            low, high = (_texts(rows[column], name, 2) for column in wider_columns_of(curves, name))
             shown[CURVES[name][0]] = low.where(low == high, low + " to " + high)
         elif name in curves:
             shown[CURVES[name][0]] = with_bands(rows, name, figures)
@@ -220,7 +220,7 @@ def result_table(
     for title, values in law_values(closed, laws).items():
         table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
     table = table.rename(index=_of_hyperbola(closed))
-    reached = curves[curves.branch == LOADING].dropna(subset=members(curves, _NAMED[0]))
+    reached = curves[curves.branch == LOADING].dropna(subset=columns_of(curves, _NAMED[0]))
     highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
     for name in _FLOW if history_of(closed).has_flow else ():
         title = CURVES[name][0].replace(" (", ", at the maximum stress (")
@@ -233,7 +233,7 @@ def result_table(
 
 def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
     """Return a quantity of `stress_table` as text, each value with its band if that is known."""
-    columns = members(curves, name)
+    columns = columns_of(curves, name)
     middle, *ends = (_texts(curves[column], name, figures) for column in columns)
     if not ends:
         return middle

@@ -278,5 +278,5 @@ _STORED = tuple(QUANTITIES)[: tuple(QUANTITIES).index("timing_simulation") + 1]
 
 
 def names_of_case(flow: bool) -> tuple[str, ...]:
-    """Return the quantities that are stored of every joint of a case."""
+    """Return the names of the quantities that are stored of every joint, with those of ``flow``."""
     return tuple(name for name in _STORED if flow or name not in OF_FLOW)

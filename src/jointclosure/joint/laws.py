@@ -233,7 +233,11 @@ def scaled_to(
 
 
 def check_joint_lengths(joint_length: float | None = None, lab_length: float = LAB_LENGTH) -> None:
-    """Raise `InputError` unless a joint is at least as long as the laboratory joint [m]."""
+    """Check the lengths [m] of the joint, if it is stated, and of the laboratory joint.
+
+    Raise `InputError` if one is not allowed, or if the joint is shorter than the laboratory joint,
+    because JRC and JCS are scaled to longer joints only.
+    """
     check_length("lab_length", lab_length)
     if joint_length is None:
         return

@@ -143,7 +143,7 @@ def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
     added = {}
     for name, transmissivity in TRANSMISSIVITIES.items():
         if name in curves:
-            for column in [*members(curves, name), *wider_members(curves, name)]:
+            for column in [*columns_of(curves, name), *wider_columns_of(curves, name)]:
                 added[column.replace(name, transmissivity)] = WATER * (1e-3 * curves[column]) ** 3
     return curves.assign(**added)
 
@@ -153,13 +153,16 @@ def has_bands(curves: pd.DataFrame) -> bool:
     return "closure_net_since_seating_mm_low" in curves
 
 
-def members(curves: pd.DataFrame, name: str) -> list[str]:
-    """Return the columns of a quantity: that of the joint, and low and high if it has a band."""
+def columns_of(curves: pd.DataFrame, name: str) -> list[str]:
+    """Return the names of the columns of a quantity in a `stress_table`.
+
+    They are its own name, and those with ``_low`` and ``_high`` if it has a band.
+    """
     if f"{name}_low" in curves:
         return [name, *(f"{name}_{end}" for end in ENDS)]
     return [name]
 
 
-def wider_members(curves: pd.DataFrame, name: str) -> list[str]:
-    """Return the columns of a quantity's band with other choices of the model, if it has one."""
+def wider_columns_of(curves: pd.DataFrame, name: str) -> list[str]:
+    """Return the names of the columns of a band with other choices of the model; none without."""
     return [f"{name}_{end}" for end in WIDER if f"{name}_{end}" in curves]

@@ -30,7 +30,7 @@ from jointclosure.parameters import RESOLVED
 from jointclosure.statistics.standard_errors import mean_of, rounded
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty.expected_cost import rough_time, seconds_of_joint
-from jointclosure.uncertainty.variants import coarser
+from jointclosure.uncertainty.sources import coarser
 from jointclosure.walls import shifted
 
 CHECKED = 4  # nearest joints that are simulated with a finer tolerance too

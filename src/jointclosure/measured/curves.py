@@ -497,9 +497,11 @@ _OF_SCATTER = 5.0
 
 
 def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Raise `InputError` if a curve has a wrong order or number of loadings, wrong signs or sizes.
+    """Raise `InputError` if a curve is not one that joints can be compared with.
 
-    Each cycle must have one loading, from at or below seating [Pa], on which closure increases.
+    Its points must be in the order of the cycles, without spikes, and of usual signs and sizes.
+    Each cycle must have one loading, from at or below ``seating`` [Pa] to above it, and its
+    closure must be larger at the end than at seating. An unloading back to seating must end with less closure.
     """
     counts = f"seating_stress_MPa = {1e-6 * seating:g}, from which closures count"
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:

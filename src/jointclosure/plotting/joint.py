@@ -15,7 +15,7 @@ from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.history import GROSS, NET, history_of
 from jointclosure.joint.laws import LAWS, BartonBandis, loading_hyperbolas
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import WATER, has_bands, members, stress_table, wider_members
+from jointclosure.joint.tables import WATER, columns_of, has_bands, stress_table, wider_columns_of
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.ranges import NUMBERS, WIDER
@@ -166,7 +166,7 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
             band = f"cycle {cycle}, band of nine in ten"
-            wider = wider_members(curves, name)
+            wider = wider_columns_of(curves, name)
             if wider:
                 outer = [rows[end] for end in wider]
                 label_of_outer = f"{band}{_CHOICES}"
@@ -256,12 +256,12 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
     The axis has the limits of what is drawn, and at most `DECADES`.
     """
     name = "transmissivity_m2_per_s"
-    bands = [*members(curves, name)[2:], *wider_members(curves, name)[1:]]
+    bands = [*columns_of(curves, name)[2:], *wider_columns_of(curves, name)[1:]]
     lines = [name, *bands]  # a band may end at 0, and a line may not
     _draw_along(axes, curves.assign(**curves[lines].where(curves[lines] > 0.0)), name)
     axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
-        bound = WATER * (1e-3 * rows[members(curves, "largest_hydraulic_mm")[-1]]) ** 3
+        bound = WATER * (1e-3 * rows[columns_of(curves, "largest_hydraulic_mm")[-1]]) ** 3
         label = "upper bound" if cycle == 1 else None
         axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
     axes.set(title="transmissivity")
@@ -269,7 +269,7 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
         return
     drawn = np.concatenate([np.ravel(line.get_ydata()) for line in axes.lines])
     if has_bands(curves):
-        ends = curves.loc[curves.branch == LOADING, members(curves, name)]
+        ends = curves.loc[curves.branch == LOADING, columns_of(curves, name)]
         drawn = np.append(drawn, ends.to_numpy())
     drawn = drawn[drawn > 0.0]
     least = max(drawn.min(), 10.0**-DECADES * drawn.max())

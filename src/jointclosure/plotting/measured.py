@@ -20,7 +20,12 @@ _LEAST = 1e-4  # p-value at the end of the scale of colours
 
 @styled
 def fit_figure(result: Fit, title: str) -> Figure:
-    """Draw the curve on the band of the fitted joints; readings and likelihood by the parameter."""
+    """Draw the measured curve on the band of the fitted joints, and what the fit tried.
+
+    The band is that of the nearest joints if none reaches the curve. Beside it are the simulated
+    over the measured readings, and the log likelihood, over the fitted parameter: the mismatch
+    wavelength, or the compressive strength for scanned walls.
+    """
     if not result.interval_holds:
         title += ": the model does not explain this curve, and no interval is valid"
     figure, panels = subplots("ca;cb", figsize=(12.5, 6.4), title=title, height_ratios=(2, 1))

@@ -109,8 +109,11 @@ def fitted(points, response, values: tuple[int, ...]) -> Fit:
     return Fit(values, terms, np.linalg.lstsq(matrix, np.asarray(response, float), rcond=None)[0])
 
 
-def part_of(u, count: int):
-    """Return the index, from 0, of the one of ``count`` equal parts of [0, 1] that contains u."""
+def level_of(u, count: int):
+    """Return which of ``count`` levels of a factor u in [0, 1] stands for, from 0.
+
+    Levels have equal parts of this range, in their order.
+    """
     return np.minimum((np.asarray(u) * count).astype(int), count - 1)
 
 
@@ -128,7 +131,7 @@ def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
         contrasts[: number + 1, number] = -1.0
         contrasts[number + 1, number] = number + 1.0
         contrasts[:, number] /= np.sqrt(np.mean(contrasts[:, number] ** 2))
-    return contrasts[part_of(u, count)]
+    return contrasts[level_of(u, count)]
 
 
 class Indices(NamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import Effects, Numerics
-from jointclosure.uncertainty.variants import UncertainJoint, threads_for
+from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
 from jointclosure.walls.wall_files import coarser_grid
 
 WINDOW = 128  # cells along a side of the window of the walls that is simulated to estimate the time

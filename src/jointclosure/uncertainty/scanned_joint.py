@@ -35,7 +35,7 @@ from jointclosure.parameters import RESOLVED, check_choices
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
-from jointclosure.uncertainty.variants import (
+from jointclosure.uncertainty.uncertain_joint import (
     UncertainJoint,
     uncertain_joint,
     uncertainty_budget,
@@ -165,7 +165,7 @@ def close(
     ranges : mapping
         Lowest and highest value [SI] of inputs that are known only to a range: a property of rock,
         ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
-        (`jointclosure.uncertainty.variants`).
+        (`jointclosure.uncertainty.sources`).
     workers : int, optional
         Number of joints of the range that are simulated at the same time, by default that of the
         processors available to this process.

@@ -1,10 +1,25 @@
 """Sources of uncertainty of a joint, and the changes of a result that they make."""
 
+import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import OF_ROCK
+from jointclosure.inputs import InputError, check_number, naming
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.rocks import both_walls
+from jointclosure.parameters import (
+    OF_ROCK,
+    PLAUSIBLE,
+    Choices,
+    Effects,
+    Numerics,
+    key_of,
+    without_effect,
+)
+from jointclosure.parameters.units import in_unit, name_and_unit
+from jointclosure.walls.scan_errors import ScanErrors
 
 ORDER = "order"  # source of another order of breakage: copies that differ in rounding, or mirrored
 TITLES = {
@@ -21,6 +36,13 @@ TITLES = {
     "peaks": "choice of soft peaks",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
 """Sources of uncertainty by name."""
+COARSER = 2  # spacing of the coarser grid, over that of the joint
+VARIED = {name: key_of(name) for name in OF_ROCK} | {
+    "peak_modulus_ratio": "peak_modulus_ratio",
+    "base_radius_in_cells": "base_radius_in_cells",
+    "spacing": "spacing_mm",
+}
+"""Sources whose range can be stated, and their keys with units."""
 ALL = "all together"  # source of the variants in which all sources have random values
 MULTIPLE = "multiple"
 """Kind of a source with the value of the joint, a multiple of it, or its inverse, whose change is
@@ -64,3 +86,118 @@ class Source(NamedTuple):
         if self.kind == MULTIPLE:
             return np.array([-changes[0], 0.0, changes[0]])[(3.0 * shares).astype(int)]
         return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
+
+
+def sources_of(
+    conditions: Conditions,
+    shape: tuple[int, ...],
+    ranges: Mapping[str, tuple[float, float]] = {},
+    errors: ScanErrors | None = None,
+) -> dict[str, Source]:
+    """Return the sources of uncertainty of a joint of (ny, nx) cells by name.
+
+    ``ranges`` are stated ones of `VARIED`, ``errors`` those of scanned walls. Raise `InputError` if
+    a range is not allowed.
+    """
+    _check_ranges(conditions, ranges)
+    effects = conditions.effects
+    numerics = conditions.numerics
+    choices = conditions.choices
+    sources = {}
+    if "spacing" in ranges:
+        sources["spacing"] = Source((1, round(ranges["spacing"][1] / conditions.grid_spacing)))
+    elif errors and errors.step > 1:
+        sources["spacing"] = Source((1, 1 / errors.step))
+    elif min(shape) >= 8 * COARSER:
+        sources["spacing"] = Source((1, COARSER), MULTIPLE, False)
+    if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
+        resolved = numerics.breakage == "resolved"
+        if resolved and numerics.tolerance <= 0.05:  # it is at most 0.1
+            sources["breakage"] = Source((numerics, coarser(numerics, 2.0)), SHARED)
+        else:
+            other = coarser(numerics, 0.5) if resolved else numerics._replace(breakage="resolved")
+            sources["breakage"] = Source((numerics, other))
+    if errors and errors.covariance.any():
+        sources["registration"] = Source((0, 1, 2, 3), "random")
+    if errors and errors.noise[1] > 0.0:
+        sources["noise"] = Source((0, 1, 2), "random")
+    if errors and max(errors.waves) > 0.0:
+        sources["resolution"] = Source((0, 1, 2), "random")
+    if errors and errors.scale != 1.0:
+        sources["scale"] = Source((0, 1, 2), "random")
+    if errors and errors.holes.any():
+        sources["holes"] = Source((0, 1, 2), "random")
+    if effects.breakage:
+        sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
+    for name, ends in PLAUSIBLE.items():
+        values = tuple(ranges.get(name, ends))
+        stated = name in ranges
+        if without_effect(name, effects, choices, numerics):
+            continue
+        joint = getattr(choices, name)
+        if isinstance(joint, str):
+            others = (value for value in values if value != joint)
+            sources[name] = Source((joint, *others), "choice", stated)
+        else:
+            sources[name] = _range_about(joint, values, stated)
+    for name in OF_ROCK:
+        if name in ranges:
+            joint = getattr(both_walls(conditions.rock)[0], name)
+            sources[name] = _range_about(joint, ranges[name], True)
+    return sources
+
+
+def coarser(numerics: Numerics, factor: float) -> Numerics:
+    """Return numerics with the tolerance and the steps that act multiplied by a factor."""
+    steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
+    scaled = {
+        name: factor * getattr(numerics, name)
+        for name in (*steps, "tolerance")
+        if not without_effect(name, Effects(), Choices(), numerics)
+    }
+    return numerics._replace(**scaled)
+
+
+def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
+    """Return the source of a number that the joint has and that may be between two ends."""
+    low = min(joint, ends[0])
+    high = max(joint, ends[1])
+    part = (
+        math.log(joint / low) / math.log(high / low) if low > 0.0 else (joint - low) / (high - low)
+    )
+    return Source((low, high), "range", varied, part)
+
+
+def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
+    first, second = both_walls(conditions.rock)
+    for name, ends in ranges.items():
+        if name not in VARIED:
+            raise InputError(f"ranges: {name!r}: must be one of {', '.join(VARIED)}")
+        if np.shape(ends) != (2,):
+            raise InputError(f"ranges: {name} = {ends!r}: must be (lowest, highest)")
+        for end in ends:
+            check_number(f"ranges: {name}", end)
+        if not ends[0] < ends[1]:
+            raise InputError(f"ranges: {name} = {ends!r}: the lowest value must come first")
+        if name in OF_ROCK and first != second:
+            raise InputError(f"ranges: {name}: both walls must be of one rock")
+        if name == "spacing":
+            grid = conditions.grid_spacing
+            if round(ends[1] / grid) < 2 or not np.isclose(ends[0], grid, rtol=1e-3):
+                raise InputError(
+                    f"ranges: spacing_mm = {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g}: must begin "
+                    f"at the spacing of the joint's grid, {1e3 * grid:.4g} mm, which is the "
+                    "finest, and end at least at twice of it"
+                )
+            continue
+        given = first if name in OF_ROCK else conditions.choices
+        for end in ends:
+            with naming("ranges"):
+                type(given)(**given._asdict() | {name: end})
+        if not ends[0] <= getattr(given, name) <= ends[1]:
+            unit = name_and_unit(VARIED[name])[1]
+            low, high, joint = (in_unit(each, unit) for each in (*ends, getattr(given, name)))
+            raise InputError(
+                f"ranges: {VARIED[name]} = {low:g} to {high:g}: must contain that of the joint, "
+                f"{joint:g}"
+            )

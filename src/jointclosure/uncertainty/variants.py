@@ -7,64 +7,24 @@ depend on the other sources. With resolved breakage all variants have twice the 
 halves their time and hardly changes the effect of a source.
 """
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
-from jointclosure.execution.workers import in_threads, number_of_workers
-from jointclosure.inputs import InputError, check_number, naming
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.cycles import largest_jump
-from jointclosure.joint.history import history_of
-from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.simulation import simulate_walls
-from jointclosure.joint.status import FAILURE
-from jointclosure.joint.tables import stress_table
-from jointclosure.parameters import (
-    OF_ROCK,
-    PLAUSIBLE,
-    Choices,
-    Effects,
-    Numerics,
-    acting,
-    key_of,
-    without_effect,
-)
-from jointclosure.parameters.units import in_unit, name_and_unit
+from jointclosure.parameters import OF_ROCK, PLAUSIBLE
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.uncertainty.budget import Budget
-from jointclosure.uncertainty.ranges import (
-    bands_of,
-    limits_of_error,
-    numerical_errors_of,
-    ranges_of,
-)
-from jointclosure.uncertainty.results import QUANTITIES, results_of
-from jointclosure.uncertainty.sources import ALL, MULTIPLE, ORDER, SHARED, TITLES, Source
+from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, TITLES, Source
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
-COARSER = 2  # spacing of the coarser grid, over that of the joint
-VARIED = {name: key_of(name) for name in OF_ROCK} | {
-    "peak_modulus_ratio": "peak_modulus_ratio",
-    "base_radius_in_cells": "base_radius_in_cells",
-    "spacing": "spacing_mm",
-}
-"""Sources whose range can be stated, and their keys with units."""
 DRAWS = 16  # joints that are simulated with random values of all sources
 SEED = 3496
 """Seed of their random values: of 4,000 one with small correlations (at most 0.24 between the
 sources that are always there, 0.35 with those of the rock; medians of all seeds 0.50, 0.56), so
 that sources are not confounded."""
-FURTHER = 10_000  # further joints with random values whose results are estimated for the range
-FEWER = 10  # every so many of them are used for bands of curves
-CELLS = 2_000_000  # of all joints that are simulated at the same time; each cell takes 1 kB
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "as it is": lambda wall: wall,
     "last digits": lambda wall: wall * (1.0 + 1e-12),
@@ -133,130 +93,6 @@ class Variant(NamedTuple):
         return self._replace(conditions=conditions._replace(rock=rock))
 
 
-class UncertainJoint(NamedTuple):
-    """A joint and what is not known of it, made once by `uncertain_joint`.
-
-    ``upper`` and ``lower`` are its walls (y, x) [m], ``conditions`` as `Conditions.checked` returns
-    them with the grid spacing, ``errors`` those of scanned walls. ``sources`` of uncertainty, by
-    name, make the ``variants`` of the joint; a joint without a range has none.
-    """
-
-    upper: np.ndarray
-    lower: np.ndarray
-    conditions: Conditions
-    errors: ScanErrors | None = None
-    sources: Mapping[str, Source] = {}
-    variants: tuple[Variant, ...] = ()
-
-    @property
-    def cells(self) -> int:
-        """Number of cells of its largest variant."""
-        return max(self.upper.size, self.errors.cells if self.errors else 0)
-
-    def simulated(self, variant: Variant, report: Report | None = None) -> xr.Dataset | None:
-        """Simulate a variant; None if it is refused, such as for more steps than allowed."""
-        with suppress(InputError):
-            walls = variant.walls(self.upper, self.lower, self.errors)
-            return simulate_walls(*walls, variant.conditions, report)
-        return None
-
-
-def uncertain_joint(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    conditions: Conditions,
-    ranges: Mapping[str, tuple[float, float]] = {},
-    errors: ScanErrors | None = None,
-) -> UncertainJoint:
-    """Return a joint with its sources of uncertainty and variants; arguments as for its fields.
-
-    ``ranges`` are stated ones of `VARIED`; `InputError` if one is not allowed.
-    """
-    sources = sources_of(conditions, upper.shape, ranges, errors)
-    variants = tuple(variants_of(conditions, sources))
-    return UncertainJoint(upper, lower, conditions, errors, sources, variants)
-
-
-def coarser(numerics: Numerics, factor: float) -> Numerics:
-    """Return numerics with the tolerance and the steps that act multiplied by a factor."""
-    steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
-    scaled = {
-        name: factor * getattr(numerics, name)
-        for name in (*steps, "tolerance")
-        if not without_effect(name, Effects(), Choices(), numerics)
-    }
-    return numerics._replace(**scaled)
-
-
-def sources_of(
-    conditions: Conditions,
-    shape: tuple[int, ...],
-    ranges: Mapping[str, tuple[float, float]] = {},
-    errors: ScanErrors | None = None,
-) -> dict[str, Source]:
-    """Return the sources of uncertainty of a joint of (ny, nx) cells by name.
-
-    ``ranges`` are stated ones of `VARIED`, ``errors`` those of scanned walls. Raise `InputError` if
-    a range is not allowed.
-    """
-    _check_ranges(conditions, ranges)
-    effects = conditions.effects
-    numerics = conditions.numerics
-    choices = conditions.choices
-    sources = {}
-    if "spacing" in ranges:
-        sources["spacing"] = Source((1, round(ranges["spacing"][1] / conditions.grid_spacing)))
-    elif errors and errors.step > 1:
-        sources["spacing"] = Source((1, 1 / errors.step))
-    elif min(shape) >= 8 * COARSER:
-        sources["spacing"] = Source((1, COARSER), MULTIPLE, False)
-    if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
-        resolved = numerics.breakage == "resolved"
-        if resolved and numerics.tolerance <= 0.05:  # it is at most 0.1
-            sources["breakage"] = Source((numerics, coarser(numerics, 2.0)), SHARED)
-        else:
-            other = coarser(numerics, 0.5) if resolved else numerics._replace(breakage="resolved")
-            sources["breakage"] = Source((numerics, other))
-    if errors and errors.covariance.any():
-        sources["registration"] = Source((0, 1, 2, 3), "random")
-    if errors and errors.noise[1] > 0.0:
-        sources["noise"] = Source((0, 1, 2), "random")
-    if errors and max(errors.waves) > 0.0:
-        sources["resolution"] = Source((0, 1, 2), "random")
-    if errors and errors.scale != 1.0:
-        sources["scale"] = Source((0, 1, 2), "random")
-    if errors and errors.holes.any():
-        sources["holes"] = Source((0, 1, 2), "random")
-    if effects.breakage:
-        sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
-    for name, ends in PLAUSIBLE.items():
-        values = tuple(ranges.get(name, ends))
-        stated = name in ranges
-        if without_effect(name, effects, choices, numerics):
-            continue
-        joint = getattr(choices, name)
-        if isinstance(joint, str):
-            others = (value for value in values if value != joint)
-            sources[name] = Source((joint, *others), "choice", stated)
-        else:
-            sources[name] = _range_about(joint, values, stated)
-    for name in OF_ROCK:
-        if name in ranges:
-            joint = getattr(both_walls(conditions.rock)[0], name)
-            sources[name] = _range_about(joint, ranges[name], True)
-    return sources
-
-
-def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
-    """Return the source of a number that the joint has and that may be between two ends."""
-    low = min(joint, ends[0])
-    high = max(joint, ends[1])
-    part = (
-        math.log(joint / low) / math.log(high / low) if low > 0.0 else (joint - low) / (high - low)
-    )
-    return Source((low, high), "range", varied, part)
-
-
 def variants_of(
     conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = SEED
 ) -> Iterator[Variant]:
@@ -267,7 +103,7 @@ def variants_of(
             joint = joint.changed(name, source.values[1])
     for name, source in sources.items():
         for value in source.values[0 if source.kind == "range" else 1 :]:
-            yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
+            yield joint.changed(name, value)._replace(source=name, value=value_text(name, value))
     fixed = {name for name, source in sources.items() if source.kind == SHARED or not source.varied}
     for number, row in enumerate(random_shares(sources, draws, seed)):
         drawn = joint._replace(source=ALL)
@@ -281,7 +117,7 @@ def variants_of(
                 continue
             value = source.at(float(share))
             drawn = drawn.changed(name, value)
-            texts.append(f"{TITLES[name]} {_text(name, value)}")
+            texts.append(f"{TITLES[name]} {value_text(name, value)}")
         yield drawn._replace(value="; ".join(texts))
 
 
@@ -294,7 +130,7 @@ def random_shares(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
-def _text(name: str, value: Any) -> str:
+def value_text(name: str, value: Any) -> str:
     """Describe a value of a source."""
     if name == "spacing":
         if value < 1:
@@ -308,113 +144,3 @@ def _text(name: str, value: Any) -> str:
     if name in OF_ROCK:
         return f"{value / OF_ROCK[name].size:.4g}{OF_ROCK[name].in_brackets}"
     return value if isinstance(value, str) else f"{value:.3g}"
-
-
-def uncertainty_budget(
-    joint: UncertainJoint,
-    closed: xr.Dataset | None = None,
-    report: Callable[[float, str], None] = lambda share, variant: None,
-    workers: int | None = None,
-    at: Sequence[float] = (),
-) -> Budget:
-    """Return the uncertainty budget of a joint.
-
-    The joint is simulated with each source changed alone, and with all at random. ``closed`` is the
-    history of the joint itself, if it is simulated already. ``report`` receives the finished share
-    and the name of the variant. ``at`` are stresses [Pa] that curves have besides round ones.
-    """
-    sources = joint.sources
-    variants = [Variant("", "", joint.conditions), *joint.variants]
-    closed = (
-        simulate_walls(joint.upper, joint.lower, joint.conditions) if closed is None else closed
-    )
-    levels = history_of(closed).table_levels(at)
-    known = stress_table(closed, levels)
-
-    def tables_of(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
-        """Return the rows of a variant, and its curves; values are unknown if it failed."""
-        history = joint.simulated(variant, going_on) if variant.source else closed
-        status = -1 if history is None else int(history.status)
-        if history is None or status >= FAILURE:
-            rows = pd.DataFrame({"cycle": known.cycle.unique()})
-            rows = rows.assign(**dict.fromkeys(QUANTITIES, np.nan))
-            curves = known[["cycle", "branch", "normal_stress_MPa"]]
-        else:
-            curves = known if history is closed else stress_table(history, levels)
-            rows = results_of(history)
-        about = {"source": variant.source, "value": variant.value, "status": status}
-        return rows.assign(**about), curves.assign(source=variant.source)
-
-    answers = {}
-    threads = threads_for(joint.cells, workers)
-    for number, answer in in_threads(tables_of, variants, threads):
-        answers[number], name = answer, variants[number].source
-        report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
-    rows, curves = zip(*(answers[number] for number in range(len(variants))), strict=True)
-    results = pd.concat(rows, ignore_index=True)
-    exact = "registration", *acting(both_walls(joint.conditions.rock)[0])
-    omitted = tuple(name for name in exact if name not in sources)
-    shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
-    shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
-    of_steps = sources.get("breakage")
-    shared = of_steps is not None and of_steps.kind == SHARED
-    numerical = numerical_errors_of(results, shared, largest_jump(closed))
-    limits = limits_of_error(numerical)
-    bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER], limits)
-    ranges = ranges_of(results, sources, shares, further, limits)
-    return Budget(results, ranges, omitted, bands, _choices(sources), numerical)
-
-
-def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
-    """Describe the choices of the model that are not varied in the range, and their values."""
-    lines = []
-    for name, source in sources.items():
-        if source.varied or source.kind == SHARED:
-            continue
-        if source.kind == MULTIPLE:
-            lines.append(f"half or twice the {TITLES[name]}")
-        else:
-            low, high = (_text(name, value) for value in source.values)
-            between = "to" if source.kind == "range" else "or"
-            lines.append(f"{TITLES[name]} {low} {between} {high}")
-    return tuple(lines)
-
-
-def threads_for(cells: int, workers: int | None = None) -> int:
-    """Return the number of joints of so many cells that are simulated at the same time."""
-    return max(1, min(number_of_workers(workers), CELLS // cells))
-
-
-def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
-    first, second = both_walls(conditions.rock)
-    for name, ends in ranges.items():
-        if name not in VARIED:
-            raise InputError(f"ranges: {name!r}: must be one of {', '.join(VARIED)}")
-        if np.shape(ends) != (2,):
-            raise InputError(f"ranges: {name} = {ends!r}: must be (lowest, highest)")
-        for end in ends:
-            check_number(f"ranges: {name}", end)
-        if not ends[0] < ends[1]:
-            raise InputError(f"ranges: {name} = {ends!r}: the lowest value must come first")
-        if name in OF_ROCK and first != second:
-            raise InputError(f"ranges: {name}: both walls must be of one rock")
-        if name == "spacing":
-            grid = conditions.grid_spacing
-            if round(ends[1] / grid) < 2 or not np.isclose(ends[0], grid, rtol=1e-3):
-                raise InputError(
-                    f"ranges: spacing_mm = {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g}: must begin "
-                    f"at the spacing of the joint's grid, {1e3 * grid:.4g} mm, which is the "
-                    "finest, and end at least at twice of it"
-                )
-            continue
-        given = first if name in OF_ROCK else conditions.choices
-        for end in ends:
-            with naming("ranges"):
-                type(given)(**given._asdict() | {name: end})
-        if not ends[0] <= getattr(given, name) <= ends[1]:
-            unit = name_and_unit(VARIED[name])[1]
-            low, high, joint = (in_unit(each, unit) for each in (*ends, getattr(given, name)))
-            raise InputError(
-                f"ranges: {VARIED[name]} = {low:g} to {high:g}: must contain that of the joint, "
-                f"{joint:g}"
-            )

@@ -123,14 +123,15 @@ def point_distance(scan: Scan | Cloud) -> float:
 
 
 def paper_spacing(distance: float) -> float:
-    """Return the multiple of a point distance [m] that is nearest to `PAPER_SPACING`."""
+    """Return the grid spacing for scans: the multiple of their point distance [m] nearest to
+    `PAPER_SPACING`."""
     return distance * max(round(PAPER_SPACING / distance), 1)
 
 
 def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
-    """Return a flat wall with the places of a scan, at the height of its mean plane.
+    """Return the mean plane of a scan, inclined as it is, as a scan with the same places.
 
-    ``sign`` -1 turns the heights to the other direction.
+    Heights are multiplied by ``sign``, which is 1 or -1. Missing heights stay missing.
     """
     if isinstance(scan, Scan):
         return Scan(sign * (scan.heights - _heights_less_plane(scan)), scan.spacing, scan.origin)

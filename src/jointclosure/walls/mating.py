@@ -154,9 +154,11 @@ def slope_correlations(
 ) -> Callable[[np.ndarray], np.ndarray]:
     """Return a function that correlates the slopes of a field (y, x) with those of a fixed one.
 
-    It takes a field of the given ``shape`` and returns the correlation (y, x) at each shift, NaN
-    where fewer slopes than ``least_overlap`` of the smaller field meet. All shifts are computed at
-    once by Fourier transforms; slopes along x and y are the parts of complex numbers.
+    It takes a field of the given ``shape`` and returns the correlation (y, x) at each shift of it
+    in cells; index 0 is no shift, and negative shifts are at the end. Means are not subtracted. The
+    correlation is NaN where fewer known slopes meet than the share ``least_overlap`` of those of
+    the field that has fewer. All shifts are computed at once by Fourier transforms; slopes along x
+    and y are the parts of complex numbers.
     """
     size = [scipy.fft.next_fast_len(n - 2, True) for n in np.add(fixed.shape, shape).tolist()]
 

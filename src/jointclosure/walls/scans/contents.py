@@ -94,7 +94,7 @@ def real(values) -> np.ndarray:
 
 @contextmanager
 def reading_as(title: str) -> Iterator[None]:
-    """Raise one clear `InputError` if a file of a format is damaged, whatever a library raises."""
+    """Turn errors of a library that reads a scan into an `InputError` that names the format."""
     try:
         yield
     except (InputError, MemoryError):
