@@ -143,7 +143,7 @@ def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figu
     assessment = tables["assessment"]
     without = assessment[lacks_effects(assessment.variant)]
     shown = without[without.quantity.isin(JUDGED)]
-    for axes, part in _panels(without, settings["titles"], (3.1, 2.4)):
+    for axes, part in _panels(without, settings["titles"], (3.1, 3.0)):
         scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
     return _finished(axes, f"change of mean closure (%){scale}", "")
 

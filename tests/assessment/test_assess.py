@@ -78,14 +78,21 @@ def test_a_request_below_the_scatter_of_copies_is_said_to_be_impossible():
         "the request of 5 % cannot be met: the least that can be had is 7.1 %, with middle in 1 s"
     )
     assert of_joint(0.05, apart=0.05).startswith(words)
-    assert "scatter by 7.1 % and its error is 1.6 % (the model does" in of_joint(0.05, apart=0.05)
+    assert of_joint(0.05, apart=0.05).endswith("order of breakage) and its error is 1.6 %")
     assert of_joint(0.08, apart=0.05).startswith("middle is within 1.6 % of the finest, its copies")
 
 
 def test_a_scatter_of_gross_closure_alone_makes_a_request_impossible():
     closed = closures(joints=1, scatter=0.0)
     closed.loc[closed.copy_of_walls == "mirrored", "max_closure"] *= 1.1
-    assert "cannot be met" in Assessment(closed, LADDER, "middle", 0.05).sentences[1]
+    said = Assessment(closed, LADDER, "middle", 0.05).sentences[1]
+    assert "cannot be met" in said
+
+
+def test_the_least_that_can_be_had_may_be_that_of_the_finest_setting():
+    said = of_joint(0.05, apart=0.05, middle=0.09)
+    assert "the least that can be had is 7.1 %, with fine in 10 s" in said
+    assert said.endswith("its error is not known")
 
 
 def test_an_error_of_the_finest_setting_is_not_claimed():

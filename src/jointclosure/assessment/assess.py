@@ -309,12 +309,12 @@ class Assessment:
             return f"budget = {budget:g} s: suffices for all settings; {takes}"
         if not allowed and reached[finest] > self.within:
             least = min(reached, key=lambda name: reached[name])
-            of_error = "" if least == finest else f" and its error is {100 * errors[least]:.2g} %"
+            error = "not known" if least == finest else f"{100 * errors[least]:.2g} %"
             return (
                 f"the request of {100 * self.within:g} % cannot be met: the least that can be had "
                 f"is {100 * reached[least]:.2g} %, with {least} in {seconds[least]:.2g} s, as its "
-                f"copies that should be equal scatter by {100 * scatter[least]:.2g} %{of_error} "
-                "(the model does not determine the order of breakage)"
+                f"copies that should be equal scatter by {100 * scatter[least]:.2g} % "
+                f"(the model does not determine the order of breakage) and its error is {error}"
             )
         if not allowed:
             return (
