@@ -76,7 +76,7 @@ help: ## List the targets
 	@echo "  PROFILE=profiles/slurm runs it on a cluster (docs/reference.md#run-on-a-cluster)."
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), and compile all kernels
-	@echo "Compiling the kernels (a minute and a half when they are new) ..."
+	@echo "Loading the kernels (new ones are compiled, all of them in two minutes) ..."
 	@$(WITH_MAKE) $(BIN)/python -m jointclosure.joint.warmup ship
 	-@$(WITH_MAKE) $(BIN)/jointclosure doctor
 
@@ -145,7 +145,7 @@ estimate: $(STAMP) ## Estimate the time of the study, or of the experiments of C
 	@$(SNAKEMAKE) $(GIVEN) -- estimate
 
 test: $(STAMP) ## Run the tests
-	@echo "Compiling the kernels (a minute and a half when they are new), beside tests without kernels ..."
+	@echo "Loading the kernels (new ones are compiled, all of them in two minutes), beside tests without kernels ..."
 	@$(BIN)/python -m jointclosure.joint.warmup ship & \
 	$(BIN)/python -m pytest -q -m "not slow" $(WITHOUT_KERNELS); passed=$$?; \
 	wait $$! && exit $$passed

@@ -29,7 +29,6 @@ from jointclosure.plotting.style import (
     panel_grid,
     percent_ticks,
     styled,
-    subplots,
     ticks_at,
 )
 from jointclosure.storage.files import read_csv
@@ -53,23 +52,30 @@ _SETTINGS = "osD^v"
 """Markers of the settings of the numerics."""
 _FILLED: dict[str, dict[str, Any]] = {
     "easy": {},
-    "hard": {"mfc": "white"},
+    "hard": {"mfc": "none"},
     "not stable": {"fillstyle": "left"},
 }
 """Filling of the markers of joints, by their verdict."""
+_JOINT: dict[str, Any] = {"marker": "o", "color": "C0", "ms": 4.5, "mew": 1.0, "alpha": 0.8}
+"""Markers of joints."""
+_BESIDE = 1.1
+"""Ratio of the times at which markers of one setting are drawn, so that they do not overlap."""
 _LINEAR_SHARE = 1.0
 """Percentage up to which axes of shares are linear."""
 
 
 def _panels(
-    table: pd.DataFrame, titles: Mapping[str, str], panel: tuple
+    table: pd.DataFrame, titles: Mapping[str, str], panel: tuple, sharex: bool = True
 ) -> Iterator[tuple[Axes, pd.DataFrame]]:
-    """Generate axes and rows of closures for each condition; all axes are in one figure."""
+    """Generate axes and rows of closures for each condition; all axes are in one figure.
+
+    Vertical axes are shared, and horizontal ones if ``sharex``.
+    """
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     conditions = list(grouped(shown, "rock", "jrc", "stress_MPa"))
     columns = min(len(conditions), _COLUMNS)
     rows = -(-len(conditions) // columns)
-    _, grid = panel_grid(rows, columns, panel, (1.2, 0.0), sharex=True, sharey=True)
+    _, grid = panel_grid(rows, columns, panel, (1.2, 0.0), sharex=sharex, sharey=True)
     for axes in grid.flat[len(conditions) :]:
         axes.remove()
     for axes, (at, part) in zip(grid.flat, conditions, strict=False):
@@ -94,9 +100,11 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
     numerics = assessment[assessment.verdict.isna() | (assessment.verdict == "")]
     drawn = numerics[numerics.quantity.isin(JUDGED) & (numerics.variant != numerics.reference)]
     alone = drawn[list(_CONDITION)].drop_duplicates().shape[0] == 1
-    for axes, part in _panels(numerics, settings["titles"], (5.5, 3.8) if alone else (3.1, 2.6)):
+    size = (5.5, 3.8) if alone else (3.3, 2.7)
+    for axes, part in _panels(numerics, settings["titles"], size, sharex=False):
         _draw_price(axes, part, percent)
-    scale = _scale_price(axes, drawn, percent)
+    largest = 1.2 * max(drawn.high_percent.max(), -drawn.low_percent.min(), 4.0 * percent)
+    scale = percent_ticks(axes.yaxis, percent, -largest, largest)
     bar = f"95 % interval of the change from {drawn.reference.iloc[0]}"
     axes.plot([], [], "|", color="0.5", ms=9, label=bar)
     axes.axhspan(0.0, 0.0, color="0.9", label=f"within the request of {percent:g} %")
@@ -112,10 +120,10 @@ def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     groups = list(itertools.product(JUDGED, sorted(settings.cycle.unique())))
     for number, (quantity, cycle) in enumerate(groups):
         rows = settings[(settings.quantity == quantity) & (settings.cycle == cycle)]
-        apart = 1.06 ** (number - 0.5 * (len(groups) - 1))  # bars beside each other
+        apart = _BESIDE ** (number - 0.5 * (len(groups) - 1))
         for row in rows.itertuples():
             bars = [[row.value_percent - row.low_percent], [row.high_percent - row.value_percent]]
-            style: dict[str, Any] = {"color": f"C{cycle - 1}", "ms": 5, "lw": 1.0}
+            style: dict[str, Any] = {"color": f"C{cycle - 1}", "ms": 4.5, "lw": 1.0}
             style |= {"marker": _SETTINGS[variants.index(row.variant)]}
             style |= {} if quantity == JUDGED[0] else {"mfc": "w"}
             axes.errorbar([apart * row.seconds], [row.value_percent], bars, **style)
@@ -125,14 +133,8 @@ def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
         fill = None if quantity == JUDGED[0] else "w"
         name = f"{ASSESSED[quantity]}, cycle {cycle}"
         axes.plot([], [], "o", color=f"C{cycle - 1}", mfc=fill, label=name)
-
-
-def _scale_price(axes: Axes, drawn: pd.DataFrame, within: float) -> str:
-    """Scale the axes of all panels; return words on the scale of errors, linear ``within`` [%]."""
-    axes.set(xscale="log", xlim=(0.6 * drawn.seconds.min(), 1.8 * drawn.seconds.max()))
+    axes.set(xscale="log", xlim=(0.6 * settings.seconds.min(), 1.8 * settings.seconds.max()))
     decimal_ticks(axes.xaxis)
-    largest = 1.2 * max(drawn.high_percent.max(), -drawn.low_percent.min(), 4.0 * within)
-    return percent_ticks(axes.yaxis, within, -largest, largest)
 
 
 @styled
@@ -141,7 +143,7 @@ def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figu
     assessment = tables["assessment"]
     without = assessment[lacks_effects(assessment.variant)]
     shown = without[without.quantity.isin(JUDGED)]
-    for axes, part in _panels(without, settings["titles"], (3.1, 2.4)):
+    for axes, part in _panels(without, settings["titles"], (3.1, 3.0)):
         scale = draw_effects(axes, part, 100.0 * settings["within"], shown)
     return _finished(axes, f"change of mean closure (%){scale}", "")
 
@@ -159,7 +161,10 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
 
 @styled
 def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw features of joints in front of those of the hard cases, and the limits of easy ones."""
+    """Draw features of joints in front of those of the hard cases, and the limits of easy ones.
+
+    Each rock has a row of two panels, so that its joints are not hidden by those of another rock.
+    """
     hardness = tables["hardness"]
     shares = ["spread", "unbreakable_share", "largest_jump"]
     least = [_LEAST_SPREAD, 0.0, 0.0]
@@ -168,37 +173,39 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
         for part in (hardness, read_csv(HARD_CASES))
     )
     rocks = list(dict.fromkeys(joints.rock))
-    looks = {rock: {"color": f"C{i}", "marker": "osD^vP"[i % 6]} for i, rock in enumerate(rocks)}
     verdicts = [name for name in _FILLED if (joints.verdict == name).any()]
-    figure, panels = subplots(2, 1, figsize=(6.0, 9.0))
-    for axes, x, y in zip(panels, ("spread", "contacts_at_max"), shares[1:], strict=True):
-        axes.plot(cases[x], cases[y], "o", color="0.82", ms=3.5, zorder=1)
-        for (rock, verdict), part in joints.groupby(["rock", "verdict"]):
-            fill = _FILLED[verdict] | looks[rock]
-            axes.plot(part[x], part[y], ls="", ms=6.5, mew=1.2, alpha=0.75, zorder=3, **fill)
-        axes.set_xscale("log")
-        axes.set_yscale("symlog", linthresh=_LINEAR_SHARE, linscale=0.5)
-        axes.set_ylim(-0.4, 130.0)
-        ticks_at(axes.yaxis, (0.0, 1.0, 3.0, 10.0, 30.0, 100.0))
-    upper, lower = panels
-    decimal_ticks(lower.xaxis)
+    _, grid = panel_grid(len(rocks), 2, (3.3, 2.3), (0.2, 1.2), sharex="col", sharey="col")
+    for (left, right), rock in zip(grid, rocks, strict=True):
+        of_rock = joints[joints.rock == rock]
+        for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
+            axes.plot(cases[x], cases[y], "o", color="0.82", ms=3.0, zorder=1)
+            for verdict, part in of_rock.groupby("verdict"):
+                axes.plot(part[x], part[y], ls="", zorder=3, **_JOINT | _FILLED[verdict])
+            axes.set_title(figure_text(settings["titles"][rock]))
+            axes.set_xscale("log")
+            axes.set_yscale("symlog", linthresh=_LINEAR_SHARE, linscale=0.5)
+            axes.set_ylim(-0.4, 130.0)
+            ticks_at(axes.yaxis, (0.0, 1.0, 3.0, 10.0, 30.0, 100.0))
+        left.set_ylabel("force on contacts\nthat cannot break (%)")
+        right.set_ylabel("largest jump\n(% of closure)")
+        left.axvline(50.0 * settings["within"], color="0.5", ls="--", zorder=0)
+        left.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
+    left, right = grid[-1]
+    decimal_ticks(right.xaxis)
     low = 100.0 * _LEAST_SPREAD
-    upper.set_xlim(0.6 * low, 200.0)
-    decades = [low, 0.01, 0.1, 1.0, 10.0, 100.0]
-    ticks_at(upper.xaxis, decades, [f"≤ {low:g}", *(f"{value:g}" for value in decades[1:])])
-    upper.axvline(50.0 * settings["within"], color="0.5", ls="--", zorder=0)
-    upper.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
-    upper.set_xlabel("scatter of net closure over copies\nthat should give equal results (%)")
-    scale = f"\nlogarithmic beyond {_LINEAR_SHARE:g}"
-    upper.set_ylabel(f"force on contacts that cannot break (%),{scale}")
-    lower.set(xlabel="cells in contact", ylabel=f"largest jump (% of closure),{scale}")
+    left.set_xlim(0.5 * low, 200.0)
+    decades = [low, 0.1, 1.0, 10.0, 100.0]
+    ticks_at(left.xaxis, decades, [f"≤ {low:g}", *(f"{value:g}" for value in decades[1:])])
+    left.set_xlabel("scatter of net closure over copies\nthat should give equal results (%)")
+    right.set_xlabel("cells in contact")
     handles: list[Artist] = [
-        *(point_key(settings["titles"][rock], ms=6.5, **looks[rock]) for rock in rocks),
-        *(point_key(name, color="0.2", ms=6.5, **_FILLED[name]) for name in verdicts),
-        point_key("hard cases", color="0.82", ms=4),
+        *(point_key(name, **_JOINT | _FILLED[name]) for name in verdicts),
+        point_key("hard cases", color="0.82", ms=3.0),
         key("limit of easy joints", color="0.5", ls="--"),
     ]
-    legend_below(figure, handles, columns=3)
+    figure = left.get_figure(root=True)
+    assert figure is not None
+    legend_below(figure, handles, columns=4)
     sns.despine(figure)
     return figure
 

@@ -72,22 +72,35 @@ def test_errors_are_drawn_with_their_95_percent_intervals(tables):
         assert axes.get_ylim()[1] > shown.high_percent.max()
 
 
-def test_rock_and_verdict_are_two_kinds_of_marks(tables):
-    hardness = tables["hardness"]
+def test_rocks_have_panels_of_their_own_and_verdicts_marks(tables):
+    hardness = tables["hardness"].assign(verdict="easy")
     other = hardness.assign(rock="dolerite", verdict="hard")
     titles = {"slate": "A slate", "dolerite": "A dolerite"}
     figure = draw_assessment_hardness(
-        {"hardness": pd.concat([hardness.assign(verdict="easy"), other])},
-        {"within": 0.05, "titles": titles},
+        {"hardness": pd.concat([hardness, other])}, {"within": 0.05, "titles": titles}
     )
     handles = {one.get_label(): one for one in figure.legends[0].legend_handles}
-    slate, dolerite = (handles[title] for title in titles.values())
-    assert slate.get_marker() != dolerite.get_marker()
-    assert slate.get_color() != dolerite.get_color()
-    easy, hard = handles["easy"], handles["hard"]
-    assert easy.get_color() == hard.get_color() == "0.2"
-    assert easy.get_markerfacecolor() != hard.get_markerfacecolor()
     assert "not stable" not in handles  # as no joint has this verdict
+    assert handles["easy"].get_markerfacecolor() != handles["hard"].get_markerfacecolor()
+    panels = list(zip(figure.axes, ["A slate"] * 2 + ["A dolerite"] * 2, strict=True))
+    for axes, title in panels:
+        verdict = "easy" if title == "A slate" else "hard"
+        _, drawn, *_ = axes.lines
+        assert axes.get_title() == title
+        assert len(drawn.get_xdata()) == len(hardness)
+        assert drawn.get_markerfacecolor() == handles[verdict].get_markerfacecolor()
+
+
+def test_marks_of_one_setting_lie_beside_each_other(tables):
+    figure = draw_assessment_price(tables, {"within": 0.05, "titles": {"slate": "Slate"}})
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        marks = [one.lines[0] for one in axes.containers]
+        for shape in {one.get_marker() for one in marks}:
+            times = [one.get_xdata()[0] for one in marks if one.get_marker() == shape]
+            assert len(times) == 4
+            at = np.sort(axes.transData.transform([(time, 0.0) for time in times])[:, 0])
+            assert np.diff(at).min() > 4.5 * figure.dpi / 72.0  # the size of a mark
 
 
 def test_a_scene_that_fails_has_a_word_in_its_row(tables):

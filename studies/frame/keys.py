@@ -143,7 +143,10 @@ class Study(Section):
     )
     realizations: int = entry("Random pairs of walls per case.", ge=2, le=1_000_000)
     realizations_per_job: int | None = entry(
-        "Realisations of a case in one job; null: all. It changes no result.", None, ge=1
+        "Realisations of a case in one job; null: as many as take about five minutes. It changes "
+        "no result.",
+        None,
+        ge=1,
     )
     cycles: int = entry("Load-unload cycles.", ge=1, le=1000)
     root_seed: int = entry("Seed from which every random number follows.", ge=0)

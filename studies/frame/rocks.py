@@ -71,7 +71,7 @@ class ScannedWalls(Section):
 
     upper: Text = entry(_WALL)
     lower: Text = entry(_WALL)
-    units: Literal["m", "mm", "um", "nm"] | None = entry(
+    units: Literal["m", "mm", "um", "nm", "inch"] | None = entry(
         "Of heights and distances, where the file does not say them.", None
     )
     spacing: float | None = entry(

@@ -152,7 +152,8 @@ def draw_measured_joints(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     row has independent walls with the default choices. The fitted observable is not drawn.
     """
     table = tables["measured_joints"]
-    rows = _shown_rows(table, tables["measured_joints_scores"].set_index("variant"))
+    scores = tables["measured_joints_scores"].set_index("variant")
+    rows = _shown_rows(table, scores)
     judged = [name for name in HEADINGS if name != FITTED]
     figure, panels = subplots(4, 2, figsize=(7.4, 14.0), sharey=True)
     for axes, name in zip(panels.flat, judged, strict=False):
@@ -162,7 +163,7 @@ def draw_measured_joints(tables: Tables, settings: Mapping[str, Any]) -> Figure:
         axes.tick_params(axis="y", labelsize="small")
         axes.set_ylim(len(rows) - 0.5, -0.5)
     entries = _keys(list(dict.fromkeys(table.joint)))
-    agreeing = f"(7): values that agree,\nof {tables['measured_joints_scores'].of.max()}"
+    agreeing = f"({scores.score[BASE]}): values that agree,\nof {scores.of.max()}"
     corner = panels.flat[-1]
     corner.axis("off")
     corner.legend(handles=[*entries, key(agreeing, ls="")], loc="center", frameon=False)

@@ -12,6 +12,7 @@ from studies.measured_joints.observables import (
     observables_of,
     single_joint_interval,
 )
+from studies.measured_joints.study import draw_measured_joints
 
 RESEATED = "reseated, 0.5 mm off"
 CRUSHED = "crushed rock 0.8 as strong"
@@ -53,6 +54,15 @@ def test_only_reseated_walls_or_weaker_crushed_rock_leave_later_closure(observab
 def test_weaker_crushed_rock_leaves_the_first_closure_as_it_is(observables):
     first = observables.set_index(AT).first_closure
     np.testing.assert_array_equal(first[CRUSHED], first[BASE])
+
+
+def test_the_legend_explains_the_score_of_the_first_row(tables):
+    figure = draw_measured_joints(tables, {})
+    first = figure.axes[0].get_yticklabels()[0].get_text()
+    texts = [text.get_text() for text in figure.axes[-1].get_legend().get_texts()]
+    scores = tables["measured_joints_scores"].set_index("variant")
+    assert first == f"{BASE} ({scores.score[BASE]})"
+    assert texts[-1] == f"({scores.score[BASE]}): values that agree,\nof {scores.of.max()}"
 
 
 def test_judgements_follow_from_the_intervals(tables):

@@ -64,6 +64,56 @@ def test_the_verdict_on_a_joint_says_what_it_means():
     assert words in easy.sentences[-1]
 
 
+def of_joint(within, apart=0.0, budget=None, **changes):
+    """Conclusion on the settings of a lone joint with two copies that are 2 x apart."""
+    closed = closures(joints=1, **{"scatter": 0.0, "middle": 0.01} | changes)
+    mirrored = closed.copy_of_walls == "mirrored"
+    closed.loc[mirrored, list(ASSESSED)] *= (1.0 + apart) / (1.0 - apart)
+    return Assessment(closed, LADDER, "middle", within, budget).sentences[1]
+
+
+def test_a_request_below_the_scatter_of_copies_is_said_to_be_impossible():
+    """The errors of all settings are equal on both copies, which alone seems to suffice."""
+    words = (
+        "the request of 5 % cannot be met: the least that can be had is 7.1 %, with middle in 1 s"
+    )
+    assert of_joint(0.05, apart=0.05).startswith(words)
+    assert of_joint(0.05, apart=0.05).endswith("order of breakage) and its error is 1.6 %")
+    assert of_joint(0.08, apart=0.05).startswith("middle is within 1.6 % of the finest, its copies")
+
+
+def test_a_scatter_of_gross_closure_alone_makes_a_request_impossible():
+    closed = closures(joints=1, scatter=0.0)
+    closed.loc[closed.copy_of_walls == "mirrored", "max_closure"] *= 1.1
+    said = Assessment(closed, LADDER, "middle", 0.05).sentences[1]
+    assert "cannot be met" in said
+
+
+def test_the_least_that_can_be_had_may_be_that_of_the_finest_setting():
+    said = of_joint(0.05, apart=0.05, middle=0.09)
+    assert "the least that can be had is 7.1 %, with fine in 10 s" in said
+    assert said.endswith("its error is not known")
+
+
+def test_an_error_of_the_finest_setting_is_not_claimed():
+    said = of_joint(0.001)
+    assert said.startswith("no cheaper setting is within 0.1 % of the finest; fine, the finest")
+    assert said.endswith("its copies scatter by 0 %; its error is not known")
+
+
+def test_the_setting_of_a_budget_is_given_with_the_scatter_of_its_copies():
+    assert "middle is within 1.6 % of the finest, its copies scatter by 7.1 %" in of_joint(
+        0.001, apart=0.05, budget=5.0
+    )
+
+
+def test_no_error_is_stated_if_the_finest_setting_failed():
+    closed = closures(joints=1)
+    closed.loc[closed.variant == "fine", list(ASSESSED)] = np.nan
+    said = Assessment(closed, LADDER, "middle", 0.05).sentences[1]
+    assert said == "no error can be stated, because copies failed with fine"
+
+
 def test_the_observed_order_is_the_one_that_was_put_in():
     sharp = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5

@@ -180,6 +180,24 @@ def test_a_sound_environment_has_no_advice(sound, tmp_path, command):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("stored", "said"),
+    [
+        ((158, 158), "all 158 are compiled"),
+        ((3, 158), "3 of 158 are compiled; a joint that needs others takes"),
+        ((3, None), "3 are compiled (how many there are is not known); a joint"),
+        ((0, None), "none is compiled"),
+    ],
+)
+def test_the_doctor_compares_compiled_kernels_with_their_number(
+    stored, said, sound, monkeypatch, command
+):
+    monkeypatch.setattr(doctor, "stored_kernels", lambda: stored)
+    code, out, _ = command("doctor")
+    assert code == 0
+    assert said in out
+
+
 def test_threads_set_otherwise_get_an_advice(sound, monkeypatch, command):
     for name in doctor.THREADS:  # as in any shell: make sets them
         monkeypatch.delenv(name)

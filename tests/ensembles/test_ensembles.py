@@ -14,6 +14,7 @@ from jointclosure.ensembles.joints import NOT_SIMULATED
 from jointclosure.execution.workers import in_threads
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.status import FAILURE
+from jointclosure.parameters import scene_name
 from jointclosure.uncertainty import expected_cost as estimation
 from jointclosure.uncertainty.expected_cost import (
     BYTES,
@@ -55,6 +56,15 @@ def test_a_joint_that_cannot_be_closed_loses_no_other(alone):
     for place in (0, 2):
         assert ensemble.error.values[place] == ""
         np.testing.assert_array_equal(ensemble.closure.values[place], alone.closure.values[place])
+
+
+def test_kernels_are_compiled_once_before_several_processes_need_them(monkeypatch):
+    calls = []
+    share = joints.shared
+    monkeypatch.setattr(joints, "compile_kernels", lambda *kernel: calls.append(kernel))
+    monkeypatch.setattr(joints, "shared", lambda *task: calls.append("shared") or share(*task))
+    jc.simulate_ensemble(rule, seeds=[3, 5], workers=2, **LOAD)
+    assert calls == [(scene_name(jc.Effects()), "pristine", "base", "fast", "fixed_step"), "shared"]
 
 
 def test_every_function_that_closes_joints_takes_the_same_conditions(alone):

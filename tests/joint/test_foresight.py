@@ -5,6 +5,7 @@ import re
 from unittest.mock import patch
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import jointclosure as jc
@@ -19,6 +20,7 @@ from jointclosure.solvers.joint import Joint
 from jointclosure.walls.gridding import Scan
 from tests import joints
 from tests.joints import SPACING, pair
+from tests.processes import ROOT
 
 CELLS, SCALE = 12, 1e5
 WITHOUT_GOUGE = jc.Effects(gouge=False)
@@ -237,6 +239,25 @@ def test_a_stress_near_that_of_all_cells_is_warned_of_before_the_simulation(door
     about = {"single": True, "orientation": "common_frame"} if door == "close" else {}
     with pytest.raises(UserWarning, match=r"= 120 MPa is 89 % of the stress that all cells"):
         getattr(jc, door)(*walls, max_normal_stress=120e6, **NEAR | about)
+
+
+def test_the_warning_near_the_strength_has_the_times_of_the_stored_table():
+    table = pd.read_csv(ROOT / "benchmarks/results/near_strength/near_strength.csv").dropna()
+    usual = table[table.time_ratio == 1.0]
+    assert usual.share_of_all_cells.mean() == pytest.approx(simulation._USUAL_SHARE, abs=0.005)
+    near = table[table.share_of_all_cells >= simulation.NEAR_STRENGTH]
+    for least, times in near.groupby(
+        (near.share_of_all_cells >= 0.9).map({False: 0.75, True: 0.9})
+    ):
+        ends = times.time_ratio.round().agg(["min", "max"])
+        assert tuple(ends) == simulation._TIMES_OF_USUAL[least]
+
+
+@pytest.mark.parametrize(("stress", "said"), [(120e6, "5 to 18 times"), (133e6, "12 to 34 times")])
+def test_the_warning_near_the_strength_says_how_much_longer_it_takes(stress, said):
+    conditions = jc.Conditions(max_normal_stress=stress, **NEAR).checked()
+    (warning,) = simulation.Simulation(*pair(12), conditions).near_strength()
+    assert f"takes roughly {said} as long as at 24 % of it" in warning
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,7 @@ def test_coordinates_of_the_spacing_are_those_of_the_walls(places, units, walls)
         *(({"x": X}, {"x": x}, "coordinates x differ") for x in (X + SPACING, X[::-1], 2.0 * X)),
         ({"x": 1e3 * X}, {}, "its coordinate x has steps of 0.25 m, and spacing"),
         ({}, {"x": SPACING * np.arange(9) ** 2}, "steps of 0.00025 to 0.00375 m"),
-        ({}, {"x": ("x", X, {"units": "inch"})}, "coordinate x: units = 'inch'"),
+        ({}, {"x": ("x", X, {"units": "cm"})}, "coordinate x: units = 'cm'"),
     ],
 )
 def test_walls_of_other_dimensions_or_at_other_places_are_refused_by_name(

@@ -98,6 +98,29 @@ def test_a_cache_that_cannot_be_written_is_done_without(tmp_path):
     (tmp_path / "file").write_text("in the way")
     run = moved(tmp_path, 2.0, JOINTCLOSURE_CACHE=str(tmp_path / "file" / "below"))
     assert run.stdout == "4.0 1\n"
+    assert "in every process" in run.stderr
+
+
+def test_the_screen_says_that_compiled_kernels_are_kept(runs):
+    assert [run.stderr.count("later runs load them") for run in runs] == [1, 0, 1]
+
+
+def test_the_number_of_kernels_is_known_once_all_are_compiled(tmp_path, monkeypatch):
+    cache, shipped = tmp_path / "numba-1", tmp_path / "shipped"
+    for folder, names in ((cache, "bc"), (shipped / cache.name, "ab")):
+        (folder / "solvers").mkdir(parents=True)
+        for name in names:
+            (folder / "solvers" / f"{name}.nbi").touch()
+    monkeypatch.setattr(compilation, "cache_folder", lambda: cache)
+    monkeypatch.setattr(compilation, "SHIPPED", shipped)
+    monkeypatch.setattr(compilation, "FEATURES", set())
+    assert compilation.stored_kernels() == (3, None)
+    compilation.store_number_of_kernels()
+    assert compilation.stored_kernels() == (3, 3)
+    (cache / "solvers" / "c.nbi").unlink()
+    assert compilation.stored_kernels() == (2, 3)
+    monkeypatch.setattr(compilation, "FEATURES", {"+none"})  # shipped code cannot be run
+    assert compilation.stored_kernels() == (1, 3)
 
 
 LOADED = """

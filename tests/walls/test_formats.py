@@ -171,8 +171,8 @@ def test_a_pickle_is_refused_before_it_runs(name, tmp_path):
         ("a.npy", {"units": "mm"}, "does not state the spacing"),
         (
             "a.npy",
-            {"units": "inch", "scan_spacing": SPACING},
-            "must be one of m, mm, um, nm; convert others, such as inches",
+            {"units": "cm", "scan_spacing": SPACING},
+            "must be one of m, mm, um, nm, inch; convert others, such as cm",
         ),
         ("a.npz", {"units": "mm"}, "units = 'mm': the heights of the file are in 'um'"),
         ("a.npz", {"scan_spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
@@ -250,9 +250,20 @@ def test_the_header_of_a_matrix_states_units_and_spacing(statement, name, wall, 
     assert scan.spacing == pytest.approx((SPACING, SPACING))
 
 
+@pytest.mark.parametrize("stated", ["units", "header", "plural"])
+def test_a_scan_in_inches_is_read(stated, wall, tmp_path):
+    head = {"units": [], "header": ["# Units: inch"], "plural": ["# Units: inches"]}[stated]
+    rows = [" ".join(f"{value:.12f}" for value in row) for row in wall / 25.4]
+    (tmp_path / "a.txt").write_text("\n".join([*head, *rows]))
+    given = {"units": "inch"} if stated == "units" else {}
+    scan = read_scan(tmp_path / "a.txt", scan_spacing=SPACING, **given)
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+
+
 CONTRADICTIONS = {
     "Units: um": "units = 'mm': the heights of the file are in 'um'",
-    "Value units: inch": "units = 'inch': must be one of m, mm, um, nm",
+    "Value units: foot": "units = 'foot': must be one of m, mm, um, nm, inch",
+    "Value units: inch": "units = 'mm': the heights of the file are in 'inch'",
     "Units: mm\n# Value units: um": "states the units 'mm' and 'um'; must be the same",
     "Step: 0.3 mm": "the file states 0.3 mm; must be left out",
     "Width: 7 mm\n# dx: 0.25 mm": "states different spacings",

@@ -231,7 +231,7 @@ def test_a_text_or_a_number_beside_heights_is_believed_or_refused(case, suffix, 
         ("z", {"long_name": "height [mm]"}, None),
         ("z_um", {"unit": "mm"}, "z_um: states the units 'mm' and 'um'"),
         ("z", {"units": "mm", "unit": "um"}, "z: states the units 'mm' and 'um'"),
-        ("z", {"unit": "inch"}, "units = 'inch': must be one of"),
+        ("z", {"unit": "ft"}, "units = 'ft': must be one of"),
         ("z", {"unit": "counts"}, "units = 'counts': must be one of"),
     ],
 )

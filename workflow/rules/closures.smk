@@ -14,7 +14,7 @@ rule compile_kernels:
         machine_code=cache_folder().name,  # a digest of the kernels and of what compiles them
         code=code("compile_kernels.py", titles=False),
     message:
-        "Compile the kernels of {wildcards.scene} (a minute when they are new)"
+        "Load the kernels of {wildcards.scene}; new ones are compiled in about a minute"
     script:
         "../scripts/compile_kernels.py"
 

@@ -141,8 +141,6 @@ class Assessment:
         worst = self.hardness.iloc[0]
         subject = "this joint" if self._lone else f"joint {worst.joint}"
         words = f"{subject} is {worst.verdict} ({_MEANINGS[worst.verdict]}): {worst.reason}"
-        if self._lone and worst.spread > self.within:
-            words += f"; no setting answers a request below {100 * worst.spread:.2g} %"
         return [*self._limits(), self._of_joint() if self._lone else self._of_mean(), words]
 
     @property
@@ -295,7 +293,14 @@ class Assessment:
         seconds = self._seconds
         rows = self.differences[self.differences.quantity.isin(JUDGED)]
         errors = rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
-        limited, limit = (errors, self.within) if budget is None else (seconds, budget)
+        scatter = self._scatter
+        if not math.isfinite(scatter[finest]):
+            return f"no error can be stated, because copies failed with {finest}"
+        reached = {finest: scatter[finest]}  # its error is not known
+        for name in cheaper:
+            both = errors[name], scatter[name]
+            reached[name] = max(both) if all(map(math.isfinite, both)) else math.inf
+        limited, limit = (reached, self.within) if budget is None else (seconds, budget)
         allowed = [name for name in cheaper if limited[name] <= limit]
         takes = f"{finest}, the finest setting, takes {seconds[finest]:.2g} s of processor time"
         if budget is not None and not allowed:
@@ -303,11 +308,34 @@ class Assessment:
             return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
         if budget is not None and budget >= seconds[finest]:
             return f"budget = {budget:g} s: suffices for all settings; {takes}"
+        if not allowed and reached[finest] > self.within:
+            least = min(reached, key=lambda name: reached[name])
+            error = "not known" if least == finest else f"{100 * errors[least]:.2g} %"
+            return (
+                f"the request of {100 * self.within:g} % cannot be met: the least that can be had "
+                f"is {100 * reached[least]:.2g} %, with {least} in {seconds[least]:.2g} s, as its "
+                f"copies that should be equal scatter by {100 * scatter[least]:.2g} % "
+                f"(the model does not determine the order of breakage) and its error is {error}"
+            )
         if not allowed:
-            return f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}"
-        name = min(allowed, key=lambda name: seconds[name] if budget is None else errors[name])
-        reached = f"{name} is within {100 * errors[name]:.2g} % of the finest"
-        return f"{reached} and takes {seconds[name]:.2g} s; {takes}"
+            return (
+                f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}, and "
+                f"its copies scatter by {100 * scatter[finest]:.2g} %; its error is not known"
+            )
+        name = min(allowed, key=lambda name: seconds[name] if budget is None else reached[name])
+        return (
+            f"{name} is within {100 * errors[name]:.2g} % of the finest, its copies scatter by "
+            f"{100 * scatter[name]:.2g} %, and it takes {seconds[name]:.2g} s; {takes}"
+        )
+
+    @property
+    def _scatter(self) -> dict[str, float]:
+        """Largest relative deviation among copies of a lone joint [1], by setting."""
+        settings = ((name, self.closures[self.closures.variant == name]) for name in self.ladder)
+        return {
+            name: max(float(spread_of(rows, judged).max()) for judged in JUDGED)
+            for name, rows in settings
+        }
 
     def _of_mean(self) -> str:
         """Describe how many joints a mean within the request takes, or what a budget allows."""
@@ -557,9 +585,9 @@ def results_beyond(differences: pd.DataFrame, within: float) -> str:
     return ", ".join(words)
 
 
-def spread_of(copies: pd.DataFrame) -> pd.Series:
-    """Return the relative standard deviation of closure among copies of a joint [1], by cycle."""
-    values = copies.pivot_table(index="cycle", columns="copy_of_walls", values=CLOSURE)
+def spread_of(copies: pd.DataFrame, quantity: str = CLOSURE) -> pd.Series:
+    """Return the relative standard deviation of a closure of a joint's copies [1], by cycle."""
+    values = copies.pivot_table(index="cycle", columns="copy_of_walls", values=quantity)
     return values.std(axis=1) / values.mean(axis=1)
 
 

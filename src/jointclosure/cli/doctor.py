@@ -16,7 +16,7 @@ from pathlib import Path
 
 import psutil
 
-from jointclosure.compilation.kernels import SHIPPED, cache_folder
+from jointclosure.compilation.kernels import cache_folder, stored_kernels
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs.extras import EXTRAS, installed, installing
 from jointclosure.storage.provenance import versions_of
@@ -70,16 +70,27 @@ def findings(folder: Path) -> Iterator[tuple[str, str, str]]:
     state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
     yield "memory", state, takes if jobs < cores else ""
     cache = cache_folder()
-    kernels = sum(len(list(of.rglob("*.nbi"))) for of in (cache, SHIPPED / cache.name))
-    state = f"warm, {kernels} kernels" if kernels else "cold; the first joint takes a minute more"
     advice = "not writable: set JOINTCLOSURE_CACHE to a folder that is"
-    yield "compiled kernels", f"{cache}: {state}", "" if _writable(cache) else advice
+    state = f"{cache}: {_state_of_kernels(*stored_kernels())}"
+    yield "compiled kernels", state, "" if _writable(cache) else advice
     results = folder / "results"
     free = shutil.disk_usage(folder).free
     advice = "a study may take a gigabyte: make room" if free < _DISK_OF_A_STUDY else ""
     advice = advice if _writable(results) else f"make {results} writable"
     yield "results", f"{results}, {free / 1e9:.1f} GB free", advice
     yield _snakemake(folder)
+
+
+def _state_of_kernels(stored: int, expected: int | None) -> str:
+    """Describe how many kernels are compiled, of the expected number if that is known."""
+    if expected is not None and stored >= expected:
+        return f"all {expected} are compiled"
+    compiled = "none is compiled"
+    if stored:
+        of = "" if expected is None else f" of {expected}"
+        more = " (how many there are is not known)" if expected is None else ""
+        compiled = f"{stored}{of} are compiled{more}"
+    return f"{compiled}; a joint that needs others takes up to a minute more"
 
 
 def _writable(folder: Path) -> bool:

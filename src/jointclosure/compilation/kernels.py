@@ -26,6 +26,7 @@ from numba.core.caching import (
     IndexDataCacheFile,
     _CacheLocator,
 )
+from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 
 from jointclosure.compilation.sources import PACKAGE, cache_root, code_digest
@@ -37,6 +38,9 @@ PROCESSOR = "x86-64-v3" if X86 else "generic"
 """Processor of shipped code: it takes the time of code for a newer one, and gives the same bits."""
 FEATURES = {"+avx2", "+bmi", "+bmi2", "+f16c", "+fma", "+lzcnt", "+movbe"} if X86 else set()
 """What a processor needs to run it."""
+
+_NUMBER = "number_of_kernels"
+"""File beside machine code with the number of kernels, written when all were compiled."""
 
 KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 """Packages that contain kernels; modules that they import are included too."""
@@ -98,6 +102,12 @@ class _InFolder(CompileResultCacheImpl):
         return super().get_filename_base(fullname, abiflags).replace(f"-{self._lineno}.", ".", 1)  # type: ignore[no-untyped-call]
 
 
+def _runs_shipped_code(target: tuple[str, str, str]) -> bool:
+    """Return whether a target of Numba (triple, processor, features) can run shipped code."""
+    _, processor, features = target
+    return processor == PROCESSOR or set(features.split(",")) >= FEATURES
+
+
 class _KernelCache(FunctionCache):
     """Machine code of one kernel on the disk; compilations are announced once, and counted."""
 
@@ -115,6 +125,14 @@ class _KernelCache(FunctionCache):
         except OSError:  # if nothing can be written, a process compiles what it needs
             self.disable()  # type: ignore[no-untyped-call]
 
+    def announcement(self) -> str:
+        """Say that kernels are compiled, and whether later processes will find them."""
+        said = "jointclosure: compiling kernels that are new (up to two minutes of processor time)"
+        if self._enabled:
+            return f"{said}; later runs load them"
+        where = f"{cache_folder()} cannot be written"
+        return f"{said} in every process, as {where}; set JOINTCLOSURE_CACHE to a folder that can"
+
     def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
         """Load as `Cache.load_overload`, shipped code first; None if it must be compiled.
 
@@ -123,9 +141,8 @@ class _KernelCache(FunctionCache):
         """
         rtsys.initialize(target_context)
         key = self._index_key(sig, target_context.codegen())  # type: ignore[no-untyped-call]
-        triple, processor, features = key[1]
-        if processor == PROCESSOR or set(features.split(",")) >= FEATURES:
-            shipped = key[0], (triple, PROCESSOR, ""), key[2]
+        if _runs_shipped_code(key[1]):
+            shipped = key[0], (key[1][0], PROCESSOR, ""), key[2]
             data = self._shipped.load(shipped)  # type: ignore[no-untyped-call]
             if data is not None:
                 return self._impl.rebuild(target_context, data)
@@ -134,16 +151,31 @@ class _KernelCache(FunctionCache):
         if overload is None:
             _KernelCache.misses += 1
             if _KernelCache.misses == 1:  # because the process seems to hang
-                logging.getLogger("jointclosure").warning(
-                    "jointclosure: compiling kernels, once for this version (about a minute of "
-                    "processor time)"
-                )
+                logging.getLogger("jointclosure").warning(self.announcement())
         return overload
 
 
 def compiles() -> int:
     """Return how often this process compiled instead of loading machine code from the cache."""
     return _KernelCache.misses
+
+
+def stored_kernels() -> tuple[int, int | None]:
+    """Return the number of kernels whose machine code is stored, and of all; None if not known."""
+    folders = [cache_folder()]
+    if _runs_shipped_code(cpu_target.target_context.codegen().magic_tuple()):
+        folders.append(SHIPPED / cache_folder().name)
+    kernels = {file.relative_to(folder) for folder in folders for file in folder.rglob("*.nbi")}
+    stated = [folder / _NUMBER for folder in folders if (folder / _NUMBER).is_file()]
+    numbers = [int(file.read_text(encoding="utf-8")) for file in stated]
+    return len(kernels), max(numbers, default=None)
+
+
+def store_number_of_kernels() -> None:
+    """Store the number of kernels, once the machine code of all of them is stored."""
+    if cache_folder().is_dir():  # it is absent if nothing can be written
+        number, _ = stored_kernels()
+        (cache_folder() / _NUMBER).write_text(f"{number}\n", encoding="utf-8")
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -18,6 +18,7 @@ from jointclosure.joint.conditions import Changes, Conditions, conditions_from, 
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
+from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.plausibility import doubts
 
@@ -186,6 +187,9 @@ def _rows(
         return [i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), kind)]
 
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
+    if workers > 1 and valid:  # before processes need them, which would each compile them
+        for kernel in kernels_of([reading.conditions.model]):
+            compile_kernels(*kernel)
     with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
         simulate(valid, workers, show)
         if lost := failed(ProcessLostError):

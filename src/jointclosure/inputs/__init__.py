@@ -13,10 +13,11 @@ LENGTHS = (1e-15, 1e15)
 
 SIZES = (1e-100, 1e100)
 """Smallest and largest allowed size of numbers whose squares and products are computed."""
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 25.4e-3}
 """Units of length that a user may state, in metres."""
 SPELT = {
     **{name: name for name in UNITS},
+    "inches": "inch",
     **dict.fromkeys(("µm", "μm", "micron", "microns"), "um"),
     **{
         f"{prefix}met{ending}": unit
@@ -45,9 +46,7 @@ def size_of(units: str) -> float:
     name = SPELT.get(units.strip())
     if name is None:
         known = ", ".join(UNITS)
-        raise InputError(
-            f"units = {units!r}: must be one of {known}; convert others, such as inches"
-        )
+        raise InputError(f"units = {units!r}: must be one of {known}; convert others, such as cm")
     return UNITS[name]
 
 

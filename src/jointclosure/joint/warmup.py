@@ -14,7 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from jointclosure.compilation.kernels import PROCESSOR, SHIPPED, cache_folder
+from jointclosure.compilation.kernels import (
+    PROCESSOR,
+    SHIPPED,
+    cache_folder,
+    store_number_of_kernels,
+)
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import equilibrium, simulate_walls
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
@@ -92,6 +97,7 @@ def main(words: list[str]) -> None:
         for bound in ("base", "none") if scene.breakage else ("base",):
             for breakage in ("fixed_step", "resolved"):
                 compile_kernels(scene_name(scene), peaks, bound, "fast", breakage)
+    store_number_of_kernels()
 
 
 if __name__ == "__main__":

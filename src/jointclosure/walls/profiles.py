@@ -60,7 +60,7 @@ def read_profile(
     path : path
         Lines of a place and a height; a file with further columns names those two x and z, or
         ``variable`` chooses them.
-    units : {"m", "mm", "um", "nm"}, optional
+    units : {"m", "mm", "um", "nm", "inch"}, optional
         Units of places and heights, if the file does not state them.
     variable : str, optional
         Names or numbers of the two columns, such as "1,3".

@@ -86,7 +86,7 @@ def read_scan(
     path : path, or three paths
         Its first bytes (`BY_CONTENT`) or the suffix of its name (`BY_SUFFIX`) determine the format.
         Three files, as a sequence or as "x.txt,y.txt,z.txt", are matrices of x, y and heights.
-    units : {"m", "mm", "um", "nm"}, optional
+    units : {"m", "mm", "um", "nm", "inch"}, optional
         Units of heights and distances, if the file does not state them.
     scan_spacing : float, optional
         Spacing of a grid [m], if the file does not state it.

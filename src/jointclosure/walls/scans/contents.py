@@ -24,8 +24,8 @@ _BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of librari
 _NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"
 """Name of a column with a unit: "Z_mm", "Z / mm", "Z, mm", "Z in mm", "Z [mm]" or "Z (mm)"."""
 _FOREIGN = frozenset({
-    "cm", "dm", "km", "pm", "inch", "inches", "ft", "feet", "foot", "mil", "mils", "thou", "px",
-    "pixel", "pixels", "angstrom", "centimetre", "centimetres", "centimeter", "centimeters",
+    "cm", "dm", "km", "pm", "ft", "feet", "foot", "mil", "mils", "thou", "px", "pixel", "pixels",
+    "angstrom", "centimetre", "centimetres", "centimeter", "centimeters",
 })  # fmt: skip
 """Units of length that files state and that are refused: their heights are to be converted."""
 
