@@ -501,7 +501,8 @@ def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
 
     Its points must be in the order of the cycles, without spikes, and of usual signs and sizes.
     Each cycle must have one loading, from at or below ``seating`` [Pa] to above it, and its
-    closure must be larger at the end than at seating. An unloading back to seating must end with less closure.
+    closure must be larger at the end than at seating. An unloading back to seating must end with
+    less closure.
     """
     counts = f"seating_stress_MPa = {1e-6 * seating:g}, from which closures count"
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
