@@ -309,15 +309,21 @@ def note_holding(batch, n, looked_at, cells, holds_to):
 
 
 @kernel
+def let_wait(turns, cell):
+    """Make a cell wait that does not wait yet."""
+    colour = turns.colour[cell]
+    turns.lists[colour, turns.counts[colour]] = cell
+    turns.counts[colour] += 1
+    turns.waits[cell] = 1
+
+
+@kernel
 def let_overlapping_wait(cells, turns, holds_to):
     """Make all overlapping cells wait that are not known to hold; none may be waiting before."""
     for cell in range(cells.upper.size):
         approach = cells.approach[cell]
         if approach > holds_to[cell] and cells.upper[cell] + cells.lower[cell] + approach > 0.0:
-            colour = turns.colour[cell]
-            turns.lists[colour, turns.counts[colour]] = cell
-            turns.counts[colour] += 1
-            turns.waits[cell] = 1
+            let_wait(turns, cell)
 
 
 @kernel
@@ -401,10 +407,7 @@ def let_due_wait(due, moment, turns):
         cell = due.lists[moment, k]
         if due.moment[cell] == moment:
             due.moment[cell] = 0
-            colour = turns.colour[cell]
-            turns.lists[colour, turns.counts[colour]] = cell
-            turns.counts[colour] += 1
-            turns.waits[cell] = 1
+            let_wait(turns, cell)
     due.counts[moment] = 0
 
 
@@ -500,10 +503,7 @@ def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside):
         scatter(batch, i, cell, cells.upper, cells.lower, cells.stride)
         forget(holds_to, cell, 2, cells.stride)
         if still_breaking:
-            colour = turns.colour[cell]
-            turns.waits[cell] = 1
-            turns.lists[colour, turns.counts[colour]] = cell
-            turns.counts[colour] += 1
+            let_wait(turns, cell)
         let_neighbours_wait(cells, turns, cell, beside)
 
 
