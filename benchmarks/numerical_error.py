@@ -4,9 +4,10 @@ Conditions are those of `benchmarks/effects_auto.py`: E 5 to 80 GPa, strength 20
 to 20, stress 0.001 to 0.5 of the strength, walls independent or mated beyond 1 to 10 mm, here with
 32 to 64 cells along a side. A joint is simulated by the tolerance of `jointclosure close`, and with
 its copies by twice of it, from which the error is stated
-(`jointclosure.uncertainty.numerical_error`). The true error is the difference from an eighth of
-the tolerance. A joint that takes more than `LONGEST` seconds by the tolerance of `close` is left
-out, because it takes up to twenty times as long by an eighth of it.
+(`jointclosure.uncertainty.numerical_error`). The true error is the factor to the result by
+an eighth of the tolerance, or its inverse, less 1. A joint that takes more than `LONGEST` seconds
+by the tolerance of `close` is left out, because it takes up to twenty times as long by an eighth of
+it.
 
 `python benchmarks/numerical_error.py` writes joints.csv and coverage.csv, and goes on with the
 joints that its folder has. ``--fit FOLDER ...`` fits the factors of the limit to the joints of
@@ -107,10 +108,10 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
             rows.append({
                 "joint": number, "quantity": title, "cycle": cycle,
                 "stated": numerical_error(every, jump, column, int(cycle)),
-                "true": abs(value / true - 1.0),
-                "jump": jump, "scatter": np.std(np.log(every), ddof=1),
+                "true": np.expm1(abs(np.log(true / value))),
+                "jump": jump, "scatter": scatter_of(every),
                 "apart": np.log(true / value),
-                "not_stable": scatter_of(changed) > NOT_STABLE,
+                "not_stable": scatter_of(every) > NOT_STABLE,
                 "cost": seconds[2.0].sum() / seconds[1.0].sum(),
             })  # fmt: skip
     return pd.DataFrame(rows)
@@ -136,8 +137,14 @@ def fitted(errors: pd.DataFrame) -> pd.DataFrame:
 
 
 def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
-    """Count the true errors within the stated ones by quantity and cycle, with medians of both."""
+    """Count the true errors within the stated ones by quantity and cycle, with medians of both.
+
+    ``without_jump`` are the joints without a jump, and ``inside_without_jump`` those of them whose
+    error is within. ``all_inside`` are joints of which all errors are.
+    """
     errors = errors.assign(inside=errors.true <= errors.stated, over=errors.stated / errors.true)
+    errors["without_jump"] = errors.jump == 0.0
+    errors["inside_without_jump"] = errors.inside & errors.without_jump
     by_result = errors.groupby(["quantity", "cycle"])
     table = by_result.agg(
         joints=("joint", "nunique"),
@@ -145,10 +152,13 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
         stated_percent=("stated", lambda stated: 100.0 * stated.median()),
         true_percent=("true", lambda true: 100.0 * true.median()),
         stated_over_true=("over", "median"),
+        without_jump=("without_jump", "sum"),
+        inside_without_jump=("inside_without_jump", "sum"),
         not_stable=("not_stable", "sum"),
         cost=("cost", "median"),
     )
-    return table.reset_index()
+    all_inside = int(errors.groupby("joint").inside.all().sum())
+    return table.assign(all_inside=all_inside).reset_index()
 
 
 def main() -> None:

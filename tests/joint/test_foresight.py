@@ -253,6 +253,20 @@ def test_the_warning_near_the_strength_has_the_times_of_the_stored_table():
         assert tuple(ends) == simulation._TIMES_OF_USUAL[least]
 
 
+def test_the_warning_near_the_strength_is_of_fixed_steps_too():
+    conditions = jc.Conditions(max_normal_stress=150e6, **NEAR | {"numerics": jc.Numerics()})
+    (warning,) = simulation.Simulation(*pair(12), conditions.checked()).near_strength()
+    assert "is 111 % of the stress that all cells together carry" in warning
+
+
+def test_a_simulation_runs_once():
+    conditions = jc.Conditions(max_normal_stress=1e6, cycles=1, **NEAR).checked()
+    once = simulation.Simulation(*pair(12), conditions)
+    once.run()
+    with pytest.raises(RuntimeError, match="runs once"):
+        once.run()
+
+
 @pytest.mark.parametrize(("stress", "said"), [(120e6, "5 to 18 times"), (133e6, "12 to 34 times")])
 def test_the_warning_near_the_strength_says_how_much_longer_it_takes(stress, said):
     conditions = jc.Conditions(max_normal_stress=stress, **NEAR).checked()
@@ -262,7 +276,7 @@ def test_the_warning_near_the_strength_says_how_much_longer_it_takes(stress, sai
 
 @pytest.mark.parametrize(
     ("stress", "change"),
-    [(90e6, {}), (120e6, {"numerics": jc.Numerics()}), (120e6, {"effects": joints.ELASTIC}),
+    [(90e6, {}), (90e6, {"numerics": jc.Numerics()}), (120e6, {"effects": joints.ELASTIC}),
      (120e6, {"choices": jc.Choices(strength_bound="none")})],
 )  # fmt: skip
 def test_other_stresses_are_not_said_to_be_slow(stress, change):

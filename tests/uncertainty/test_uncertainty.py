@@ -19,14 +19,17 @@ from jointclosure.plotting.joint import engineering_figure, range_figure
 from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty import ranges as ranges_module
 from jointclosure.uncertainty.budget import Budget
-from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
+from jointclosure.uncertainty.numerical_error import (
+    numerical_error,
+    numerical_errors_of,
+    scatter_of,
+)
 from jointclosure.uncertainty.ranges import (
     NUMBERS,
     WIDENED,
     WIDENED_OTHERS,
     WIDER,
     bands_of,
-    numerical_errors_of,
     ranges_of,
     total_indices,
 )
@@ -308,7 +311,7 @@ def limited_ranges():
 def test_ranges_contain_the_limit_of_the_numerical_error(limited_ranges):
     _, ranges = limited_ranges
     for low, high in (("low", "high"), WIDER):
-        assert ranges.loc[(1, CLOSURE), [low, high]].tolist() == pytest.approx([1.6, 2.4])
+        assert ranges.loc[(1, CLOSURE), [low, high]].tolist() == pytest.approx([2.0 / 1.2, 2.4])
 
 
 def test_a_numerical_error_below_the_range_changes_nothing(limited_ranges):
@@ -326,8 +329,26 @@ def test_bands_contain_the_limit_of_the_numerical_error():
         for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
     ]
     bands = bands_of(pd.concat(curves), sources, shares, further, NUMERICAL_LIMITS)
-    np.testing.assert_allclose(bands[f"{name}_low"], [0.0, 0.8, 1.6], atol=1e-12)
+    low = np.array([0.0, 1.0, 2.0]) / 1.2
+    np.testing.assert_allclose(bands[f"{name}_low"], low, atol=1e-12)
     np.testing.assert_allclose(bands[f"{name}_high"], [0.0, 1.2, 2.4], atol=1e-12)
+
+
+def test_an_error_beyond_the_result_itself_leaves_the_range_positive():
+    sources, shares, further, names, close = of_close_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, close))
+    ranges = ranges_of(results, sources, shares, further, {(1, STIFFNESS): 3.0})
+    ends = ranges.loc[(1, STIFFNESS), ["low", "high"]].tolist()
+    assert ends == pytest.approx([0.5, 8.0])
+
+
+def test_the_limit_of_gross_closure_is_that_of_the_net_one_in_length():
+    sources, shares, further, names, close = of_close_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, close))
+    results[CLOSURE_GROSS] = 2.0 * results[CLOSURE]
+    ranges = ranges_of(results, sources, shares, further, NUMERICAL_LIMITS)
+    assert ranges.loc[(1, CLOSURE), "high"] == pytest.approx(2.4)
+    assert ranges.loc[(1, CLOSURE_GROSS), "high"] == pytest.approx(4.4)
 
 
 def test_a_band_of_stiffness_is_a_curve_without_steps():
@@ -737,8 +758,8 @@ CHANGED = [1.1, 1.12, 1.08]
 """A result by other steps, and those of copies by the same steps."""
 
 
-def closure_error(table, **about):
-    found = numerical_errors_of(table, **{"shared": True, "jump": 0.02} | about)
+def closure_error(table):
+    found = numerical_errors_of(table, 0.02)
     return found[found.quantity == CLOSURE_NET].iloc[0]
 
 
@@ -751,18 +772,13 @@ def test_the_error_compares_the_joint_with_other_steps_and_all_copies(errors_of_
     assert errors_of_copies.error == numerical_error([1.0, *CHANGED], 0.02, CLOSURE_NET, 1)
 
 
-def test_the_scatter_compares_copies_by_other_steps_with_each_other(errors_of_copies):
-    assert errors_of_copies.scatter == scatter_of(CHANGED)
-
-
-def test_copies_with_the_steps_of_the_joint_scatter_with_it():
-    closure = closure_error(rows_of_steps(1.0, 1.1, [1.02, 0.98]), shared=False)
-    assert closure.error == numerical_error([1.0, 1.1, 1.02, 0.98], 0.02, CLOSURE_NET, 1)
-    assert closure.scatter == scatter_of([1.0, 1.02, 0.98])
+def test_the_scatter_is_that_of_the_joint_and_all_copies(errors_of_copies):
+    """A joint may be far from copies that agree with each other."""
+    assert errors_of_copies.scatter == scatter_of([1.0, *CHANGED])
 
 
 def test_no_error_is_stated_where_all_other_steps_failed():
-    assert np.isnan(closure_error(rows_of_steps(1.0, np.nan, [1.02, 0.98]), shared=False).error)
+    assert np.isnan(closure_error(rows_of_steps(1.0, np.nan, [1.02, 0.98])).error)
 
 
 def test_the_error_is_that_of_its_cycle():
@@ -774,7 +790,7 @@ def test_the_error_is_that_of_its_cycle():
 def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
     for spread, unstable in ((0.1, False), (0.3, True)):
         table = rows_of_steps(1.0, 1.0, [1.0 + spread, 1.0 - spread])
-        numerical = numerical_errors_of(table, shared=True, jump=0.0)
+        numerical = numerical_errors_of(table, 0.0)
         budget = Budget(table, pd.DataFrame(), (), numerical=numerical)
         lines = budget._numerical_error(CLOSURE_NET)
         assert "numerical error at most" in lines[0]

@@ -29,7 +29,7 @@ from jointclosure.joint.status import UNLOADING
 from jointclosure.joint.step_control import (
     check_elastic_steps,
     check_foreseen,
-    largest_strength,
+    strength_of_all_cells,
 )
 from jointclosure.parameters import (
     AS_IT_IS,
@@ -197,6 +197,7 @@ class Simulation:
         _check_steps(upper, lower, conditions.numerics)
         choices = in_double(conditions.choices)
         numerics = in_double(conditions.numerics)
+        self._has_run = False
         self.conditions = conditions
         self.snapshots = snapshots
         self.datums = height_datum(upper), height_datum(lower)
@@ -220,18 +221,17 @@ class Simulation:
 
     @property
     def share_of_strength(self) -> float:
-        """Largest stress over that which all cells together carry.
+        """Largest stress over that which all cells of the intact joint carry together.
 
-        It is 0 where nothing bounds this stress (`largest_strength`), and of a joint before its
-        simulation.
+        It is 0 where nothing bounds this stress (`strength_of_all_cells`).
         """
-        strongest = largest_strength(self.joint, self.joint.numerics)
+        strongest = strength_of_all_cells(self.joint, self.joint.numerics)
         return float(self.conditions.largest_stress) / strongest
 
     def near_strength(self) -> list[str]:
         """Say that the simulation will be slow, if the stress is near the strength of all cells."""
         share = self.share_of_strength
-        if not NEAR_STRENGTH <= share < 1.0:
+        if share < NEAR_STRENGTH:
             return []
         least, most = _TIMES_OF_USUAL[max(at for at in _TIMES_OF_USUAL if at <= share)]
         return [
@@ -243,7 +243,13 @@ class Simulation:
         ]
 
     def run(self, report: protocol.Report | None = None) -> xr.Dataset:
-        """Return the history of the joint, as `simulate` does; ``report`` is as there."""
+        """Return the history of the joint, as `simulate` does; ``report`` is as there.
+
+        Raise `RuntimeError` the second time, because the walls of the joint are then crushed.
+        """
+        if self._has_run:
+            raise RuntimeError("a Simulation runs once: its walls are crushed now")
+        self._has_run = True
         joint = self.joint
         conditions = self.conditions
         area = joint.upper.size * joint.law.spacing**2

@@ -286,14 +286,24 @@ def crushes_resolved(effects: Effects, numerics: Numerics) -> bool:
     return numerics.breakage == "resolved" and effects.gouge
 
 
-def largest_strength(joint: Joint, numerics: Numerics) -> float:
-    """Return the largest stress [Pa] that all cells together carry, if none is locked.
+def strength_of_all_cells(joint: Joint, numerics: Numerics) -> float:
+    """Return the stress [Pa] that all cells of a joint carry together, if none is locked.
 
-    It is infinite unless breakage is resolved with gouge and the strength of cells is bounded.
+    It is infinite unless rock breaks with gouge and the strength of cells is bounded.
     """
-    if not crushes_resolved(joint.effects, numerics):
-        return math.inf
-    strengths = cell_strengths(joint, numerics)
+    breaks = joint.effects.breakage and joint.effects.gouge
+    strengths = cell_strengths(joint, numerics) if breaks else None
     if strengths is None:
         return math.inf
     return float(strengths.sum()) / (joint.upper.size * joint.law.spacing**2)
+
+
+def largest_strength(joint: Joint, numerics: Numerics) -> float:
+    """Return the largest stress [Pa] that a joint can be simulated at, if no cell is locked.
+
+    It is that of all cells together with resolved breakage, which does not end beyond it; fixed
+    steps end by their number, and have none.
+    """
+    if not crushes_resolved(joint.effects, numerics):
+        return math.inf
+    return strength_of_all_cells(joint, numerics)

@@ -8,9 +8,9 @@ import pandas as pd
 from jointclosure.joint.laws import BENDS
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
-from jointclosure.uncertainty.numerical_error import NOT_STABLE
+from jointclosure.uncertainty.numerical_error import NOT_STABLE, limits_of_error
 from jointclosure.uncertainty.published_joints import measured_range
-from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER, limits_of_error
+from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER
 from jointclosure.uncertainty.results import (
     CLOSURE_NET,
     KNI,
@@ -150,8 +150,8 @@ class Budget(NamedTuple):
             return []
         errors = (f"{100.0 * row.error:.2g} % on cycle {row.cycle}" for row in known.itertuples())
         lines = [
-            f"{QUANTITIES[quantity]}: numerical error at most {', '.join(errors)} in nine of ten "
-            "joints"
+            f"{QUANTITIES[quantity]}: numerical error at most {', '.join(errors)} (about nine in "
+            "ten joints keep such a limit)"
         ]
         unstable = known[known.scatter > NOT_STABLE]
         if len(unstable):
@@ -159,9 +159,9 @@ class Budget(NamedTuple):
                 f"{100.0 * row.scatter:.2g} % on cycle {row.cycle}" for row in unstable.itertuples()
             )
             lines.append(
-                f"{QUANTITIES[quantity]}: this joint is not stable, as copies that should give "
-                f"equal results scatter by {', '.join(scatter)} (stable: up to "
-                f"{100.0 * NOT_STABLE:.0f} %)"
+                f"{QUANTITIES[quantity]}: this joint is not stable, as its results with other "
+                "steps and those of copies, which should be equal, scatter by "
+                f"{', '.join(scatter)} (stable: up to {100.0 * NOT_STABLE:.0f} %)"
             )
         return lines
 

@@ -1,4 +1,4 @@
-"""Numerical error of a result of one joint, as a limit that holds for at least nine joints in ten.
+"""Numerical error of a result of one joint, as a limit that about nine joints in ten keep.
 
 Three things tell of the error. The joint with other steps, and its copies whose results would be
 equal but for rounding (`uncertainty.variants.COPIES`), scatter with the steps and with the order in
@@ -8,18 +8,23 @@ tolerance, in all copies, it may not break with a finer one. The third is a leas
 joints without jump and scatter have one too. The expected error is the root of the sum of their
 squares, each times a factor, and the limit is a multiple of it.
 
+An error is a factor: the limit x means that the result may be 1 + x times too large or too small.
+
 The constants below are rounded ones of fits to 251 random joints, 174 of seed 11 and 77 of seed 21:
 the likeliest factors for errors that are distributed as Student's t of 2.5 degrees of freedom,
-which has the long tails of the true errors. `benchmarks/numerical_error.py` fits them, and measures
-how the limit holds on further joints; docs/accuracy.md has its table.
+which has the long tails of the true errors. All had the tolerance of `close`.
+`benchmarks/numerical_error.py` fits them, and measures how the limit holds on further joints;
+docs/accuracy.md has its table.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pandas as pd
 
 from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
+from jointclosure.uncertainty.sources import ORDER
 
 LEAST = 0.003
 """Expected error of a joint without jump and scatter [1]."""
@@ -32,14 +37,14 @@ OF_JUMP: Mapping[tuple[str, bool], float] = {
 """Expected error over the largest jump, by result and by whether the cycle is the first one."""
 OF_SCATTER = 1.4
 """Expected error over the standard deviation of the logarithms of the results."""
-MULTIPLE = 3.3
+LIMIT = 3.3
 """Limit over the expected error."""
 NOT_STABLE = 0.2
-"""Scatter of the copies of a joint, relative to their mean, beyond which it is not stable [1]."""
+"""Scatter of the results of a joint, as `scatter_of`, beyond which it is not stable [1]."""
 
 
 def numerical_error(values: Sequence[float], jump: float, quantity: str, cycle: int) -> float:
-    """Return the numerical error of a result, over it, that at least nine of ten joints keep.
+    """Return the numerical error of a result, over it, that about nine of ten joints keep.
 
     Parameters
     ----------
@@ -56,17 +61,61 @@ def numerical_error(values: Sequence[float], jump: float, quantity: str, cycle: 
     Returns
     -------
     float
-        Relative error [1]; NaN where nothing is known, as without other steps.
+        Relative error [1], by which the result may be multiplied or divided: 0.5 stands for 1.5
+        times as much and 1.5 times as little. NaN where nothing is known, as without other steps or
+        with a result that is not positive.
     """
-    known = [value for value in values if math.isfinite(value) and value > 0.0]
-    if len(known) < 2:
+    scatter = scatter_of(values)
+    if math.isnan(scatter):
         return math.nan
-    scatter = float(np.std(np.log(known), ddof=1))
     of_jump = OF_JUMP[quantity, cycle == 1] * jump
-    return MULTIPLE * math.hypot(LEAST, of_jump, OF_SCATTER * scatter)
+    return math.expm1(LIMIT * math.hypot(LEAST, of_jump, OF_SCATTER * scatter))
 
 
-def scatter_of(copies: Sequence[float]) -> float:
-    """Return the standard deviation of the results of copies over their mean [1]; 0 for one."""
-    known = [number for number in copies if math.isfinite(number)]
-    return float(np.std(known, ddof=1) / np.mean(known)) if len(known) > 1 else 0.0
+def scatter_of(values: Sequence[float]) -> float:
+    """Return the standard deviation of the logarithms of results that would be equal [1].
+
+    NaN stands for a simulation that failed, and does not count. The scatter is NaN for less than
+    two results, and if one is not positive.
+    """
+    known = [value for value in values if math.isfinite(value)]
+    if len(known) < 2 or min(known) <= 0.0:
+        return math.nan
+    return float(np.std(np.log(known), ddof=1))
+
+
+def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
+    """Return the numerical error of net closure and net stiffness, from the rows of a budget.
+
+    Parameters
+    ----------
+    results : DataFrame
+        As `Budget.results`.
+    jump : float
+        Largest jump of the joint, over its closure [1] (`joint.cycles.largest_jump`).
+
+    Returns
+    -------
+    DataFrame
+        One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
+        other steps are known), the ``scatter`` of the joint with all steps and copies, as
+        `scatter_of`, and ``by`` which steps and copies.
+    """
+    rows = []
+    for cycle, here in results.groupby("cycle"):
+        joint, steps, copies = (here[here.source == name] for name in ("", "breakage", ORDER))
+        for quantity in (CLOSURE_NET, STIFFNESS):
+            best, others, alike = (of[quantity].tolist() for of in (joint, steps, copies))
+            error = np.nan
+            every = [*best, *others, *alike]
+            if np.isfinite(others).any():
+                error = numerical_error(every, jump, quantity, int(cycle))
+            by = f"{', '.join(steps.value)} and {len(alike)} copies"
+            rows.append((cycle, quantity, error, scatter_of(every), by))
+    return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
+
+
+def limits_of_error(numerical: pd.DataFrame) -> dict[tuple[int, str], float]:
+    """Return the known numerical errors [1] of `numerical_errors_of` by cycle and quantity."""
+    known = numerical.dropna(subset="error")
+    return {(row.cycle, row.quantity): row.error for row in known.itertuples()}

@@ -31,7 +31,6 @@ from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.status import FLOW_STATUSES, ONLY_BOUNDS
 from jointclosure.joint.tables import ENDS, WIDER, with_transmissivity
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.uncertainty.numerical_error import numerical_error, scatter_of
 from jointclosure.uncertainty.results import (
     CLOSURE_GROSS,
     CLOSURE_NET,
@@ -54,44 +53,6 @@ first cycle were in their ranges (43 pairs, seeds 3000 to 3053), and 83 % of the
 cycles (34 pairs, seeds 2000 to 2042)."""
 NUMBERS = ["best", *ENDS, *WIDER]
 """Columns of `Budget.ranges` other than shares of sources."""
-
-
-def numerical_errors_of(results: pd.DataFrame, shared: bool, jump: float) -> pd.DataFrame:
-    """Return the numerical error of net closure and net stiffness, from the rows of a budget.
-
-    Parameters
-    ----------
-    results : DataFrame
-        As `Budget.results`.
-    shared : bool
-        Whether copies have the changed steps, and not those of the joint.
-    jump : float
-        Largest jump of the joint, over its closure [1] (`joint.cycles.largest_jump`).
-
-    Returns
-    -------
-    DataFrame
-        One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
-        other steps are known), the ``scatter`` of copies [1], and ``by`` which steps and copies.
-    """
-    rows = []
-    for cycle, here in results.groupby("cycle"):
-        joint, steps, copies = (here[here.source == name] for name in ("", "breakage", ORDER))
-        for quantity in (CLOSURE_NET, STIFFNESS):
-            best, others, alike = (of[quantity].tolist() for of in (joint, steps, copies))
-            error = np.nan
-            if np.isfinite(others).any():
-                error = numerical_error([*best, *others, *alike], jump, quantity, int(cycle))
-            scatter = scatter_of([*(others if shared else best), *alike])
-            by = f"{', '.join(steps.value)} and {len(alike)} copies"
-            rows.append((cycle, quantity, error, scatter, by))
-    return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
-
-
-def limits_of_error(numerical: pd.DataFrame) -> dict[tuple[int, str], float]:
-    """Return the known numerical errors [1] of `numerical_errors_of` by cycle and quantity."""
-    known = numerical.dropna(subset="error")
-    return {(row.cycle, row.quantity): row.error for row in known.itertuples()}
 
 
 def ranges_of(
@@ -119,6 +80,9 @@ def ranges_of(
             # the gross closure has that of the net one besides an indentation that is known well
             limited = CLOSURE_NET if quantity == CLOSURE_GROSS else quantity
             error = limits.get((int(cycle), limited), 0.0)
+            if limited != quantity:
+                best = of_cycle[of_cycle.source == ""].iloc[0]
+                error *= min(best[limited] / best[quantity], 1.0)
             rows[cycle, quantity] = _range_of(
                 values, sources, shares, further, widened=widened, error=error
             )
@@ -182,8 +146,8 @@ def _range_of(
     ends = np.quantile([of_range, wider], [OUTSIDE, 1.0 - OUTSIDE], axis=1).T
     ends = widened * np.column_stack([np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)])
     if error > 0.0:
-        below = np.log1p(-min(error, _ALMOST_ALL)) if factors else -error * abs(best)
         above = np.log1p(error) if factors else error * abs(best)
+        below = -above
         ends = np.column_stack([np.minimum(ends[:, 0], below), np.maximum(ends[:, 1], above)])
     ends[1] = min(ends[0, 0], ends[1, 0]), max(ends[0, 1], ends[1, 1])
     numbers = best * np.exp(ends.ravel()) if factors else best + ends.ravel()

@@ -20,12 +20,8 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import acting
 from jointclosure.uncertainty.budget import Budget
-from jointclosure.uncertainty.ranges import (
-    bands_of,
-    limits_of_error,
-    numerical_errors_of,
-    ranges_of,
-)
+from jointclosure.uncertainty.numerical_error import limits_of_error, numerical_errors_of
+from jointclosure.uncertainty.ranges import bands_of, ranges_of
 from jointclosure.uncertainty.results import QUANTITIES, results_of
 from jointclosure.uncertainty.sources import MULTIPLE, SHARED, TITLES, Source, sources_of
 from jointclosure.uncertainty.variants import (
@@ -134,9 +130,7 @@ def uncertainty_budget(
     omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
-    of_steps = sources.get("breakage")
-    shared = of_steps is not None and of_steps.kind == SHARED
-    numerical = numerical_errors_of(results, shared, largest_jump(closed))
+    numerical = numerical_errors_of(results, largest_jump(closed))
     limits = limits_of_error(numerical)
     bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER], limits)
     ranges = ranges_of(results, sources, shares, further, limits)

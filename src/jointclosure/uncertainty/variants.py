@@ -4,7 +4,7 @@ Each source of uncertainty is varied alone. Then those that the range is due to 
 16 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
 the model without a stated range keep their usual values in these. Random numbers of a source do not
 depend on the other sources. With resolved breakage all variants have twice the tolerance, which
-halves their time and hardly changes the effect of a source.
+shortens their time and hardly changes the effect of a source.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
