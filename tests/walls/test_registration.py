@@ -15,7 +15,7 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
 from jointclosure.walls import motion, registration, wall_files
-from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
+from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, point_distance, points_of
 from jointclosure.walls.motion import Fit, Motion
 from jointclosure.walls.outliers import patches, remove_plateaus, remove_spikes, spikes
 from jointclosure.walls.overlap import largest_rectangle
@@ -637,3 +637,20 @@ def test_angles_of_tried_fits_have_the_convention_of_the_motion():
     tried = {angle: str(Fit("turned_over", 0.86, angle, np.zeros(2))) for angle in (6.0, 186.0)}
     assert tried[186.0] == "turned_over 0.86 at -174 degrees"
     assert tried[6.0] == "turned_over 0.86 at 6 degrees"
+
+
+def test_holes_of_scattered_points_do_not_change_the_spacing_of_the_other_grid(walls):
+    """The grid would be interpolated, and lose its short waves."""
+    ground = grid(walls[1], (0.0, 0.0))
+    points = points_of(grid(0.6e-3 - walls[0], (0.0, 0.0)))
+    whole = points + np.array([0.4 * SPACING, 0.3 * SPACING, 0.0])
+    middle = whole[:, :2].mean(axis=0)
+    hole = np.linalg.norm(whole[:, :2] - middle, axis=1) < 9.0 * SPACING
+    assert 0.04 < hole.mean() < 0.07
+    scattered = Cloud(whole[~hole])
+    assert point_distance(scattered) > 1.005 * SPACING
+    pair = registered(scattered, ground, orientation="common_frame", shift="scanned")
+    assert pair.spacing == SPACING
+    far = Cloud(whole[::2])
+    assert point_distance(far) > 1.3 * SPACING
+    assert registered(far, ground, orientation="common_frame", shift="scanned").spacing > SPACING

@@ -206,7 +206,7 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
         raise InputError(
             f"max_normal_stress (--stress) = {1e-6 * max_normal_stress:g} MPa: must be less than "
             f"{1e-6 * strength:.3g} MPa, which all cells together carry with strength_bound = "
-            "'base' (or 'none')"
+            "'base' (or strength_bound, --strength-bound, must be 'none', without such a limit)"
         )
     if crushed and radius:
         least = radius * math.sqrt(max_normal_stress / strength)

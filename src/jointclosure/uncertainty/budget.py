@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from jointclosure.inputs.remarks import caution
 from jointclosure.joint.laws import BENDS
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
@@ -173,11 +174,16 @@ class Budget(NamedTuple):
         below = (drawn < best).mean() if len(drawn) else 0.5
         if OUTLYING <= below <= 1.0 - OUTLYING:
             return []
-        return [
+        line = (
             f"{QUANTITIES[quantity]}, cycle {cycle}: that of the walls as registered, with the "
             f"usual values of all inputs, is {_two_digits(best)}, "
             f"{'smaller' if below < 0.5 else 'larger'} than {100.0 * max(below, 1.0 - below):.0f} "
             "% of the results of random inputs"
+        )
+        if max(below, 1.0 - below) < 1.0:
+            return [line]
+        return [
+            caution(f"{line}. They all change it in one direction, and the range may be biased")
         ]
 
     def record(self) -> list[dict]:

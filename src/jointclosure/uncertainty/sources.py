@@ -178,7 +178,11 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
         for end in ends:
             check_number(f"ranges: {name}", end)
         if not ends[0] < ends[1]:
-            raise InputError(f"ranges: {name} = {ends!r}: the lowest value must come first")
+            unit = name_and_unit(VARIED[name])[1]
+            low, high = (in_unit(end, unit) for end in ends)
+            raise InputError(
+                f"ranges: {VARIED[name]} = {low:g} to {high:g}: the lowest value must come first"
+            )
         if name in OF_ROCK and first != second:
             raise InputError(f"ranges: {name}: both walls must be of one rock")
         if name == "spacing":

@@ -55,6 +55,9 @@ LEAST_CELLS = 16  # along the shorter side of walls on a grid that the scan reso
 _FAR = 1.5
 """Closure until one cell in a thousand touches, in standard deviations of the aperture, from which
 the first contact may be a spike."""
+_SAME = 0.05
+"""Relative difference up to which scattered points count as being as far apart as those of a grid.
+Holes of a tenth of a wall make their mean distance larger by as much."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
 SPIKES = ("keep", "cut")  # what is done with spikes
@@ -315,13 +318,26 @@ def _prepared_scans(
     whole_scans = {side: rough[side] for side, scan in turned.items() if isinstance(scan, Cloud)}
     if levelling is not None:
         whole_scans[frame] = turned[frame]
-    distance = max(map(point_distance, (turned | whole_scans).values()))
+    distance = _common_distance((turned | whole_scans).values())
     remarks: list[str] = []
     for side, scan in turned.items():
         remarks += _with_side(side, scan.remarks)
         if side in spiky:
             remarks.append(spiky[side])
     return _PreparedScans(measured, level, both, levelling, distance, remarks)
+
+
+def _common_distance(scans: Iterable[Scan | Cloud]) -> float:
+    """Return the largest point distance [m] of scans, or that of a grid if it is nearly as large.
+
+    Holes make the mean distance of scattered points larger. A grid with this spacing would be
+    interpolated, and lose its short waves, although its points are as far apart.
+    """
+    scans = list(scans)
+    largest = max(map(point_distance, scans))
+    grids = [point_distance(scan) for scan in scans if isinstance(scan, Scan)]
+    alike = [distance for distance in grids if distance >= (1.0 - _SAME) * largest]
+    return max(alike, default=largest)
 
 
 def _shortest_waves(prepared: _PreparedScans) -> tuple[float, float]:
