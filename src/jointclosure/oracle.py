@@ -63,7 +63,8 @@ class Verdict(NamedTuple):
     cells that do not overlap, and force that unloaded cells with overlap should carry, over the
     total. ``load``: sum of the forces compared with the reported one. ``volume``: larger change of
     a wall's volume over sum |z0 - min z0|. ``raised``: see `raised`. ``strength``: largest c
-    p0/sigma_c - 1 of a contact that is not locked, at least 0.
+    p0/sigma_c - 1 of a contact that is not locked, at least 0, with the force that its overlap
+    takes: the error of the reported force is in the residual.
     """
 
     negative_force: float
@@ -267,6 +268,9 @@ def judge(joint: PristineJoint, state: State) -> Verdict:
     summed = state.upper + state.lower
     ulp = np.spacing(np.abs(summed).max() + abs(state.closure))
     walls = (joint.upper, state.upper), (joint.lower, state.lower)
+    # the error of a reported force is in the residual, and may be a large part of a small force
+    by_law = np.zeros_like(force)
+    by_law.ravel()[cells] = answer
     return Verdict(
         negative_force=abs(min(float(force.min()), 0.0)),
         residual=over_total * float(np.abs(answer - carried).sum()),
@@ -276,7 +280,7 @@ def judge(joint: PristineJoint, state: State) -> Verdict:
         load=abs(total - state.total_force) / total if total > 0 else abs(state.total_force),
         volume=max(volume_change(*pair) for pair in walls),
         raised=max(raised(*pair, joint.effects.gouge) for pair in walls),
-        strength=_excess(joint, state),
+        strength=_excess(joint, state._replace(force=by_law)),
     )
 
 
