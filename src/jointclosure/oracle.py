@@ -270,7 +270,7 @@ def judge(joint: PristineJoint, state: State) -> Verdict:
     walls = (joint.upper, state.upper), (joint.lower, state.lower)
     # the error of a reported force is in the residual, and may be a large part of a small force
     by_law = np.zeros_like(force)
-    by_law.ravel()[cells] = answer
+    by_law.ravel()[cells] = np.where(np.isinf(answer), carried, answer)
     return Verdict(
         negative_force=abs(min(float(force.min()), 0.0)),
         residual=over_total * float(np.abs(answer - carried).sum()),

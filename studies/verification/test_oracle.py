@@ -159,3 +159,16 @@ def test_influence_agrees_with_the_printed_form(influence):
 def test_influence_agrees_near_as_far_with_the_expansion(influence):
     expanded = (1 + 0.1 * (0.5 / ZETA) ** 2) / (np.pi * ZETA)
     np.testing.assert_allclose(influence, expanded, rtol=3e-3)
+
+
+def test_strength_is_judged_by_the_force_that_an_overlap_takes(settled):
+    """The error of the reported force of one contact counts as residual alone."""
+    given, state = settled
+    load = np.where(oracle.locked(state.upper, state.lower), 0.0, 1.0)
+    load *= oracle.pressures_over_limit(given, state)
+    at = np.unravel_index(load.argmax(), load.shape)
+    assert 0.9 < load[at] <= 1.0 + 1e-6
+    force = changed(state.force, at, 0.5 * state.force[at])
+    found = complaints(given, state._replace(force=force, total_force=float(force.sum())))
+    assert "residual" in found
+    assert "strength" not in found
