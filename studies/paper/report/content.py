@@ -129,8 +129,8 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
         if most is not None:
             case = case_title(titles, most.rock, most.parameter, most.level)
             change = (
-                f"mean gross closures without them change at most by {change_in_words(most)} "
-                f"({case}, cycle {most.cycle})"
+                "mean net closures since seating without them change at most by "
+                f"{change_in_words(most)} (± standard error; {case}, cycle {most.cycle})"
             )
         joints = int(of_cases.joints.sum())
         cases = len(of_cases)

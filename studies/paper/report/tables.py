@@ -256,7 +256,9 @@ def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
             "Of used (n)": first.samples,
         }
         for line in part.itertuples():
-            row[f"Change of mean closure without them, cycle {line.cycle}"] = change_in_words(line)
+            row[f"Change of mean net closure without them, cycle {line.cycle}"] = change_in_words(
+                line
+            )
         rows.append(row)
     return pd.DataFrame(rows)
 
