@@ -95,7 +95,7 @@ def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
 
 @pytest.fixture
 def with_remarks(studies):
-    """Study with net closures of 1, 2, 6 mm in the first case, of which the last has two remarks."""
+    """Study with net closures of 1, 2 and 6 mm in the first case; the last has two remarks."""
     study = studies[False].copy(deep=True)
     study["max_closure_seated_net"][0] = np.array([[1e-3, 2e-3, 6e-3]] * 2).T
     study["status"][0] = [0, 0, OUTSIDE_MODEL_RANGE | TARGET_JUMPED]

@@ -33,12 +33,14 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.layout import case_title, test_name
-from studies.paper.report.cycles import REFERENCE, verdict_of_cycles
+from studies.paper.report.cycles import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
 from studies.paper.report.tables import About, frames_of, with_limits
 from studies.paper.requirements import REPORTED
 
 STAYS = "Share that remains at seating (%)"
 CLOSES = "Net closure since seating, cycle {cycle} (mm)"
+DECIDES = "make assess with the configuration of this study decides this."
+"""What to do where joints of the assessment are too few."""
 HALF_WIDTH = "_half_width"
 """Suffix of the columns of half-widths of 95 % intervals."""
 
@@ -174,19 +176,27 @@ def assessed(
     about["within"] = percent(within)
     reached = settings[settings.of_study.eq(True) & (settings.verdict != REFERENCE)]
     about["errors"] = [
-        f"{with_limits(row, 'change_percent')} % on cycle {row.cycle:.0f}: {row.verdict}"
+        f"{with_unit(row, 'change_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
         for _, row in reached.iterrows()
     ]
     about["errors_of_share"] = [
-        f"{with_limits(row, 'remains_points')} percentage points"
+        with_unit(row, "remains_points", "percentage points")
         for _, row in reached[reached.cycle == 1].iterrows()
     ]
+    changes = whole[whole.verdict.fillna("").ne(REFERENCE)]
+    about["too_few"] = any(is_too_wide(row, "change_percent") for _, row in changes.iterrows())
     about["verdicts"] = {
         name: verdict_of_cycles(rows) for name, rows in settings.groupby("variant", sort=False)
     }
     about["samples"] = int(settings.joints.max())
     about["rocks"] = [titles[rock] for rock in str(cost.rocks).split(", ")]
     return about
+
+
+def with_unit(row: pd.Series, name: str, unit: str) -> str:
+    """Format a number with its interval and unit, or why it is not known (`with_limits`)."""
+    words = with_limits(row, name)
+    return words if words == TOO_FEW else f"{words} {unit}"
 
 
 def numerical_bias(about: Mapping[str, Any]) -> str:
@@ -207,6 +217,8 @@ def numerical_bias(about: Mapping[str, Any]) -> str:
         return f"{unknown}no finer numerics than the study's ({about['cost'].stated}) are compared."
     joints = f"{about['samples']} joints of {', '.join(about['rocks'])}"
     closures = " and ".join(error.partition(":")[0] for error in about["errors"])
+    if all(TOO_FEW in error for error in about["errors"]):
+        return f"The error of their numerics is not known, because {joints} are too few. {DECIDES}"
     share = f"; the share that remains is off by {about['errors_of_share'][0]}"
     return (
         f"In addition the numerics of this study ({about['cost'].stated}) change the net closure "

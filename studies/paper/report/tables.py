@@ -20,6 +20,7 @@ from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
+from studies.paper.report.cycles import TOO_FEW, is_too_wide
 from studies.paper.requirements import REPORTED
 
 NOT_TRIED = "not tried"
@@ -191,14 +192,21 @@ def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
         shown[name] = [
             ABSENT if pd.isna(x) else f"{x:.0f}" for x in shown.get(name, [np.nan] * len(shown))
         ]
-    for name, column in (("change", "change_percent"), ("remains", "remains_points")):
+    shown["needed_by"] = shown.get("needed_by", pd.Series("", shown.index))  # not in older tables
+    columns = {"change": "change_percent", "gross": "gross_percent", "remains": "remains_points"}
+    for name, column in columns.items():
         shown[name] = [with_limits(row, column) for _, row in shown.iterrows()]
     return {f"study_{kind}": part for kind, part in shown.groupby("kind", sort=False)}
 
 
 def with_limits(row: pd.Series, name: str) -> str:
-    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)"; one joint has none."""
+    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)"; one joint has none.
+
+    Where the interval is so wide that nothing is known, the text is `TOO_FEW`.
+    """
     value, low, high = (row.get(f"{name}{end}", np.nan) for end in ("", "_low", "_high"))
+    if is_too_wide(row, name):
+        return TOO_FEW
     if pd.isna(value) or not np.isfinite([low, high]).all():
         return number_text(value, 2)
     return f"{number_text(value, 2)} ({number_text(low, 2)} to {number_text(high, 2)})"
