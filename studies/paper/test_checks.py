@@ -265,3 +265,14 @@ def test_one_joint_beyond_a_limit_fails_one_check_unless_the_joint_failed(studie
         assert checks[~checks.passed].check.tolist() == count
     assert failed[good] == []
     assert len(failed[bad]) == 1
+
+
+def test_the_axis_of_closures_since_seating_has_the_range_of_the_joints_not_of_the_law(studies):
+    rocks = study_of(TINY).rocks
+    figure = figures.closure_figure(studies[False], rocks, 5e5, 1.5, history=lambda *_: None)
+    for axes in figure.axes:
+        law = next(line for line in axes.lines if line.get_color() == "0.2")
+        joints = [line.get_xdata() for line in axes.lines if line is not law]
+        reach = max(np.nanmax(x) for x in joints)
+        assert axes.get_xlim()[1] < 1.1 * reach
+    assert law.get_xdata().max() > axes.get_xlim()[1]
