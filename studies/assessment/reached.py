@@ -196,12 +196,12 @@ def _rows(
         row |= estimate_columns("seconds", seconds)
         rows.append(row | estimate_columns("time_percent", times, 100.0))
     if not setting:
-        verdict, needed_by = _of_effects(rows, within)
+        verdict, needed_by = judged_effects(rows, within)
         rows = [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
     yield from rows
 
 
-def _of_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
+def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
     """Return the verdict on effects, and the results that make them needed, by the rule of assess.
 
     ``rows`` are those of the cycles of the variant without them.

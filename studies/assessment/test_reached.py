@@ -423,6 +423,10 @@ def test_the_headline_says_that_joints_are_too_few_and_what_decides(study, joint
     words = bias_of({"study_assessment": wide, "study_assessment_cost": cost})
     assert "not known, because 4 joints of Slate, Dolerite are too few. make assess" in words
     assert "360" not in words
+    one = table.assign(change_percent_low=table.change_percent_low.where(table.cycle == 1, -500.0))
+    words = bias_of({"study_assessment": one, "study_assessment_cost": cost})
+    assert " % on cycle 1 against" in words
+    assert "On other cycles: too few joints. make assess" in words
 
 
 def test_the_headline_says_why_the_error_of_the_numerics_is_not_known(study, joints, table):

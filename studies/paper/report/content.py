@@ -175,13 +175,16 @@ def assessed(
     within = assessment.within
     about["within"] = percent(within)
     reached = settings[settings.of_study.eq(True) & (settings.verdict != REFERENCE)]
+    if len(reached):  # that of make assess may be finer
+        about["cost"] = cost.copy()
+        about["cost"]["reference"] = reached.reference.iloc[0]
     about["errors"] = [
         f"{with_unit(row, 'change_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
         for _, row in reached.iterrows()
     ]
     about["errors_of_share"] = [
         with_unit(row, "remains_points", "percentage points")
-        for _, row in reached[reached.cycle == 1].iterrows()
+        for _, row in reached[reached.cycle == 1].dropna(subset="remains_points").iterrows()
     ]
     changes = whole[whole.verdict.fillna("").ne(REFERENCE)]
     about["too_few"] = any(is_too_wide(row, "change_percent") for _, row in changes.iterrows())
@@ -189,7 +192,11 @@ def assessed(
         name: verdict_of_cycles(rows) for name, rows in settings.groupby("variant", sort=False)
     }
     about["samples"] = int(settings.joints.max())
-    about["rocks"] = [titles[rock] for rock in str(cost.rocks).split(", ")]
+    larger = cost.get("joints_of_make_assess", 0)
+    about["larger"] = larger > 0
+    about["joints"] = int(larger) if larger > 0 else cost.joints
+    rocks = [*titles] if larger > 0 else str(cost.rocks).split(", ")
+    about["rocks"] = [titles[rock] for rock in rocks]
     return about
 
 
@@ -216,14 +223,18 @@ def numerical_bias(about: Mapping[str, Any]) -> str:
     if not about["errors"]:
         return f"{unknown}no finer numerics than the study's ({about['cost'].stated}) are compared."
     joints = f"{about['samples']} joints of {', '.join(about['rocks'])}"
-    closures = " and ".join(error.partition(":")[0] for error in about["errors"])
-    if all(TOO_FEW in error for error in about["errors"]):
-        return f"The error of their numerics is not known, because {joints} are too few. {DECIDES}"
-    share = f"; the share that remains is off by {about['errors_of_share'][0]}"
+    known = [error for error in about["errors"] if TOO_FEW not in error]
+    if not known:
+        return f"{unknown}{joints} are too few. {DECIDES}"
+    closures = " and ".join(error.partition(":")[0] for error in known)
+    others = "" if known == about["errors"] else f" On other cycles: {TOO_FEW}. {DECIDES}"
+    share = "".join(
+        f"; the share that remains is off by {error}" for error in about["errors_of_share"]
+    )
     return (
         f"In addition the numerics of this study ({about['cost'].stated}) change the net closure "
         f"by {closures} against {about['cost'].reference} on the same walls{share} (95 % "
-        f"intervals, {joints}). The numbers above are not corrected for it."
+        f"intervals, {joints}).{others} The numbers above are not corrected for it."
     )
 
 
