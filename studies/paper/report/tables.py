@@ -128,13 +128,17 @@ def probability(value: float, error: float) -> str:
 
 
 def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
-    """Format a share and its standard error in percent; with an error of 0, its interval."""
+    """Format a share in percent with its 95 % interval, such as "98 % (91 to 100)".
+
+    An interval that is not given is two standard errors to each side, and ends at 0 and 100 %.
+    """
     if pd.isna(share):
         return ""
-    text = f"{rounded(100.0 * share, 100.0 * error)} %"
-    if error > 0.0 or pd.isna(low):
-        return text
-    return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
+    if pd.isna(low):
+        low, high = max(share - 2.0 * error, 0.0), min(share + 2.0 * error, 1.0)
+    if pd.isna(low) or low == high:
+        return percent(share)
+    return f"{percent(share)} ({100.0 * low:.3g} to {100.0 * high:.3g})"
 
 
 def predicted(predictive: pd.DataFrame) -> pd.DataFrame:
