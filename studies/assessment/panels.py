@@ -187,38 +187,51 @@ def effects_panel(table: pd.DataFrame) -> Figure:
 
 @styled
 def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
-    """Draw the worst joints of `studies.assessment.reached.hardness_table`, with their reasons."""
-    worst = table.head(WORST)
+    """Draw the worst pairs of walls of `studies.assessment.reached.hardness_table`.
+
+    A bar is the worst case of a pair of walls, and a line the range over all of its cases.
+    """
+    pairs = [rows for _, rows in table.groupby(["rock", "walls"], sort=False)][:WORST]
+    worst = [next(rows.itertuples()) for rows in pairs]
     figure, axes = subplots(figsize=SIZE)
     limit = 100.0 * LARGEST_UNBREAKABLE_SHARE
     rocks = list(titles)
-    values = worst.unbreakable_percent.fillna(0.0).tolist()
-    colours = [f"C{rocks.index(rock)}" for rock in worst.rock]
+    values = [float(np.nan_to_num(row.unbreakable_percent)) for row in worst]
+    colours = [f"C{rocks.index(row.rock)}" for row in worst]
     axes.barh(range(len(worst)), values, color=colours, height=0.6)
     axes.axvline(limit, color="0.3", ls="--", lw=1.0)
-    for place, row in enumerate(worst.itertuples()):
+    ends = []
+    for place, (row, rows) in enumerate(zip(worst, pairs, strict=True)):
+        shares = rows.unbreakable_percent.fillna(0.0)
+        if len(rows) > 1:
+            axes.plot([shares.min(), shares.max()], [place, place], "|-", color="0.2", lw=1.0)
+        ends.append(float(shares.max()))
         words = row.verdict if isinstance(row.verdict, str) and row.verdict else "no remark"
         axes.annotate(
-            fill(words, 16), (values[place], place), xytext=(3, 0), textcoords="offset points",
+            fill(words, 18), (ends[place], place), xytext=(5, 0), textcoords="offset points",
             va="center", color="0.2", bbox={"fc": "w", "ec": "none", "pad": 0.5}, **_letters(),
         )  # fmt: skip
-    axes.set_yticks(range(len(worst)), [_joint_title(row, titles) for row in worst.itertuples()])
-    span = 1.7 * max(1.25 * limit, *values) if values else limit  # room for words
+    labels = [_joint_title(row, titles, len(rows)) for row, rows in zip(worst, pairs, strict=True)]
+    axes.set_yticks(range(len(worst)), labels)
+    span = 1.7 * max(1.25 * limit, *ends) if ends else limit  # room for words
     axes.set(xlim=(0.0, span), ylim=(len(worst) - 0.4, -0.6))
     words = f"force on contacts that cannot break (%), dashed: limit ({limit:g} %)"
+    if any(len(rows) > 1 for rows in pairs):
+        words += "\nbar: worst case of a pair of walls, line: range over its cases"
     figure.supxlabel(words, **_letters())
     total = int(table.ranked.iloc[0]) if len(table) else 0
-    figure.suptitle(f"The {len(worst)} hardest of {total} joints", fontsize=10)
+    figure.suptitle(f"The {len(worst)} hardest pairs of walls, of {total} joints", fontsize=10)
     axes.tick_params(labelsize=SMALL)
     axes.tick_params(axis="y", length=0)
     sns.despine(figure, left=True)
     return figure
 
 
-def _joint_title(row: Any, titles: Mapping[str, str]) -> str:
-    """Name a joint: its rock and number, and in a second line what is changed in its case."""
+def _joint_title(row: Any, titles: Mapping[str, str], cases: int) -> str:
+    """Name a joint: its rock and number, and in a second line its cases, or that which changed."""
     rock, _, changed = case_title(titles, row.rock, row.parameter, row.level).rpartition(", ")
     rock, changed = (rock, changed) if row.parameter != BASE else (titles[row.rock], "")
+    changed = changed if cases == 1 else f"{cases} cases"
     return figure_text(f"{rock}, joint {row.joint}") + (f"\n{changed}" if changed else "")
 
 

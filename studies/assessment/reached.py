@@ -361,14 +361,21 @@ def cost_table(
     return pd.DataFrame([row])
 
 
-_VERDICTS = ("failed", "jumped over the maximum stress", "outside of the model's range", "")
-"""Verdicts on a joint, the worst first; the last one is that of joints without a remark."""
+_VERDICTS = (
+    "not stable: failed",
+    "jumped over the maximum stress",
+    "hard: outside of the model's range",
+    "",
+)
+"""Verdicts on a joint, the worst first, in the words of `jointclosure.assess` where they mean the
+same; the last one is that of joints without a remark, of which no copies were simulated."""
 
 
 def hardness_table(study: xr.Dataset) -> pd.DataFrame:
     """Rank the joints of a study by their status and by the force on contacts that cannot break.
 
-    Rows are joints, the worst first, at most `MOST_RANKED`: ``verdict``, ``reason``,
+    Rows are joints, the worst first, at most `MOST_RANKED`: ``walls`` (seed of their pair of walls,
+    which cases of common draws share), ``verdict``, ``reason``,
     ``unbreakable_percent`` (largest share of the force of all cycles), ``residual`` (largest of
     all steps), ``effort`` (breakage steps over the median of the case's rock). ``ranked`` is the
     number of all joints, and ``verdict_joints`` that of joints with the same verdict.
@@ -393,6 +400,7 @@ def hardness_table(study: xr.Dataset) -> pd.DataFrame:
         row: dict[str, Any] = {
             name: study[name].values[i] for name in ("rock", "parameter", "level")
         }
+        row["walls"] = str(study.seed.values[i, j])
         row |= {"joint": int(study.realization.values[j]), "status": int(status[i, j])}
         row |= {"verdict": _VERDICTS[group[i, j]], "unbreakable_percent": 100.0 * share[i, j]}
         row |= {"residual": residual[i, j], "effort": effort[i, j]}

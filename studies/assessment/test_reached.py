@@ -51,6 +51,7 @@ def dataset():
     return xr.Dataset(
         {
             "status": (order, [[0, 2, 1], [0, 32, 2]]),
+            "seed": (order, np.array([["a", "b", "c"], ["d", "e", "f"]])),
             CLOSURE: ((*order, "cycle"), [CLOSURES[rock] for rock in ROCKS]),
             RESIDUAL: ((*order, "cycle"), [STAYS * CLOSURES[rock] for rock in ROCKS]),
             GROSS: ((*order, "cycle"), [2.0 * CLOSURES[rock] for rock in ROCKS]),
@@ -218,10 +219,10 @@ def test_the_cost_is_the_share_of_the_time_of_all_joints(study, joints):
 def test_joints_are_ranked_by_status_then_by_force_that_cannot_break():
     table = hardness_table(dataset())
     assert table.verdict.tolist() == [
-        "failed",
+        "not stable: failed",
         "jumped over the maximum stress",
-        "outside of the model's range",
-        "outside of the model's range",
+        "hard: outside of the model's range",
+        "hard: outside of the model's range",
         "",
         "",
     ]
@@ -374,11 +375,25 @@ def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
     lengths = [bar.get_width() for bar in axes.patches]
     assert lengths == pytest.approx(table.unbreakable_percent[:WORST].tolist())
     words = [text.get_text().replace("\n", " ") for text in axes.texts]
-    assert words[:2] == ["failed", "jumped over the maximum stress"]
+    assert words[:2] == ["not stable: failed", "jumped over the maximum stress"]
     assert words[-1] == "no remark"
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert labels[0] == "Dolerite, joint 1"
     assert labels[1] == "Slate of Wales, joint 2"
+
+
+def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_cases():
+    table = hardness_table(dataset())
+    slate = table[table.rock == "slate"]
+    soft = slate.assign(parameter="youngs_modulus", level="low")
+    soft["unbreakable_percent"] += 7.0
+    both = pd.concat([soft, slate], ignore_index=True)
+    axes = hardness_panel(both, {"slate": "Slate"}).axes[0]
+    assert len(axes.patches) == slate.walls.nunique() == 3
+    shares = slate.unbreakable_percent.to_numpy()
+    lines = [line.get_xdata() for line in axes.lines if line.get_marker() == "|"]
+    np.testing.assert_allclose(lines, np.column_stack([shares, shares + 7.0]))
+    assert axes.get_yticklabels()[0].get_text() == "Slate, joint 2\n2 cases"
 
 
 @pytest.mark.parametrize("closed", [True, False])
