@@ -138,6 +138,7 @@ rule estimate:
         ENVIRONMENT
     params:
         notes=[] if EXPERIMENTS else notes_on_estimate(),
+        code=code("show_estimates.py"),
     message:
         "Tables of the expected time are in {RESULTS}/tables"
     script:
