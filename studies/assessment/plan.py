@@ -8,7 +8,7 @@ simulated again: they are in its dataset.
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from jointclosure.assessment.assess import CLOSURE, assessed_variants
+from jointclosure.assessment.assess import JUDGED, assessed_variants
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import AssessmentSection
@@ -26,7 +26,7 @@ COSTLY = 5.0
 variant is kept where the share does not allow all effects."""
 RESIDUAL = "residual_closure_seated_net"
 """Net closure that remains at seating."""
-READ = (CLOSURE, RESIDUAL)
+READ = (*JUDGED, RESIDUAL)
 """Quantities that are read of the joints."""
 
 

@@ -9,7 +9,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.assessment.assess import CLOSURE, DROPS
+from jointclosure.assessment.assess import (
+    CLOSURE,
+    DROPS,
+    JUDGED,
+    NEEDED_AS_FAILS,
+    results_beyond,
+    verdict_on_effects,
+)
 from jointclosure.assessment.effect_names import without
 from jointclosure.joint.status import (
     FAILURE,
@@ -32,6 +39,8 @@ ALL_ROCKS = "all rocks"
 """Value of the column ``rock`` in rows of all rocks together; keys of rocks have no space."""
 SETTING, EFFECTS = "setting", "effects"
 """Kinds of variants."""
+GROSS = JUDGED[1]
+"""Quantity by which, besides the net closure, effects are judged."""
 MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
@@ -39,13 +48,15 @@ OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
 
 
 class _Closed(NamedTuple):
-    """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (joint,) [s].
+    """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (n,) [s] of others.
 
-    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating.
+    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating, and
+    ``gross`` gross closures.
     """
 
     closures: np.ndarray
     residuals: np.ndarray
+    gross: np.ndarray
     seconds: np.ndarray
 
 
@@ -78,8 +89,12 @@ def assessed_table(
         (setting or effects), ``reference``, ``joints`` (n), ``change_percent`` of the mean net
         closure since seating, ``seconds`` of a joint, and ``time_percent``, the change of the time
         from that of the study's joints; with standard errors. ``change_percent`` has its 95 %
-        interval by Student's t (``_low``, ``_high``; infinite for one joint) and a ``verdict`` of
-        `VERDICTS` by it, or `REFERENCE`. ``remains_points`` is the change of the share of the
+        interval by Student's t (``_low``, ``_high``; infinite for one joint), and ``gross_percent``
+        is that of the mean gross closure. The ``verdict`` on a setting is one of `VERDICTS` by the
+        net closure of the cycle, or `REFERENCE`. That on effects is the one of
+        `jointclosure.assess` by net and gross closure of all cycles, and ``needed_by`` names the
+        results that make them needed. Times are those of joints that succeeded. ``remains_points``
+        is the change of the share of the
         closure that remains at seating [percentage points], with its interval. ``state`` and
         ``reason`` are those of effects that were not tested, that the study left out, or that its
         joints need.
@@ -122,7 +137,7 @@ def _closed(
         base = base.rename(realization="joint")
         closed = _of(base.isel(joint=slice(plan.joints)))
         # the time of a job's first joint includes the loading of the kernels
-        seconds = base.timing_simulation.values[1:]
+        seconds = _of(base.isel(joint=slice(1, None))).seconds
         found = {plan.stated: closed._replace(seconds=seconds)} | found
     order = [name for name in plan.ladder if name in found]
     return {name: found[name] for name in [*order, *(n for n in found if n not in order)]}
@@ -134,10 +149,12 @@ def _is_base(study: xr.Dataset, rock: str) -> np.ndarray:
 
 def _of(joints: xr.Dataset) -> _Closed:
     good = joints.status < FAILURE
-    closures, residuals = (
-        joints[name].where(good).transpose("joint", "cycle").values for name in (CLOSURE, RESIDUAL)
+    closures, residuals, gross = (
+        joints[name].where(good).transpose("joint", "cycle").values
+        for name in (CLOSURE, RESIDUAL, GROSS)
     )
-    return _Closed(closures, residuals, joints.timing_simulation.transpose("joint").values)
+    seconds = joints.timing_simulation.transpose("joint").values
+    return _Closed(closures, residuals, gross, seconds[good.transpose("joint").values])
 
 
 def _rows(
@@ -160,9 +177,10 @@ def _rows(
     seconds = _together([_mean(own.seconds) for own, *_ in pairs])
     times = _together([_change(own.seconds, base.seconds) for own, _, base in pairs])
     joints = sum(len(own.closures) for own, *_ in pairs)
+    rows = []
     for place in range(pairs[0][0].closures.shape[1]):
         apart = [_apart(own, best, place) for own, best, _ in pairs]
-        samples, remains = (np.concatenate(parts) for parts in zip(*apart, strict=True))
+        samples, remains, gross = (np.concatenate(parts) for parts in zip(*apart, strict=True))
         interval = _interval(samples)
         row: dict[str, Any] = {"rock": rock}
         row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
@@ -170,26 +188,56 @@ def _rows(
         row |= {"cycle": place + 1, "joints": samples.size, "failed": joints - samples.size}
         row |= estimate_columns("change_percent", _mean(samples), 100.0)
         row |= _limit_columns("change_percent", interval)
+        row["gross_percent"] = 100.0 * _mean(gross).value
+        row |= _limit_columns("gross_percent", _interval(gross))
         row["verdict"] = REFERENCE if variant == reference else VERDICT_OF[interval.within(within)]
         row["remains_points"] = 100.0 * _mean(remains).value
         row |= _limit_columns("remains_points", _interval(remains))
         row |= estimate_columns("seconds", seconds)
-        yield row | estimate_columns("time_percent", times, 100.0)
+        rows.append(row | estimate_columns("time_percent", times, 100.0))
+    if not setting:
+        verdict, needed_by = judged_effects(rows, within)
+        rows = [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
+    yield from rows
 
 
-def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, np.ndarray]:
+def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
+    """Return the verdict on effects, and the results that make them needed, by the rule of assess.
+
+    ``rows`` are those of the cycles of the variant without them.
+    """
+    if any(row["failed"] for row in rows):
+        return NEEDED_AS_FAILS, ""
+    differences = pd.DataFrame(
+        [
+            {"quantity": quantity, "cycle": row["cycle"]}
+            | {end: 0.01 * row[f"{name}_percent{suffix}"] for end, suffix in _ENDS.items()}
+            for row in rows
+            for quantity, name in zip(JUDGED, ("change", "gross"), strict=True)
+        ]
+    )
+    return verdict_on_effects(differences, within), results_beyond(differences, within)
+
+
+_ENDS = {"value": "", "low": "_low", "high": "_high"}
+"""Suffixes of the columns of a number and of its interval."""
+
+
+def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
     """Return differences from a reference on the same walls (joint,), of the cycle at ``place``.
 
-    Their means are the relative change of the mean closure, and the difference of the shares of
-    the mean closure that remain (ratios of means, the scatter by the delta method).
+    Their means are the relative change of the mean net closure, the difference of the shares of
+    the mean closure that remain (ratios of means, the scatter by the delta method), and the
+    relative change of the mean gross closure.
     """
-    arrays = [part[:, place] for of in (own, best) for part in of[:2]]
+    arrays = [part[:, place] for of in (own, best) for part in of[:3]]
     known = np.isfinite(arrays).all(axis=0)
-    one, one_stays, two, two_stays = (values[known] for values in arrays)
+    one, one_stays, one_gross, two, two_stays, two_gross = (values[known] for values in arrays)
     if not known.any():
-        return one, one
+        return one, one, one
     shares = [_linear_share(*of) for of in ((one_stays, one), (two_stays, two))]
-    return (one - two) / two.mean(), shares[0] - shares[1]
+    gross = (one_gross - two_gross) / two_gross.mean()
+    return (one - two) / two.mean(), shares[0] - shares[1], gross
 
 
 def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
@@ -266,7 +314,7 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
         pooled = pd.DataFrame(pooled).groupby(["rock", "variant"], sort=False, as_index=False)
         states = pd.concat([states, pooled.agg({"state": "first", "reason": "; ".join})])
     if table.empty:
-        return states.assign(kind=EFFECTS, verdict="")
+        return states.assign(kind=EFFECTS, verdict="", needed_by="")
     table = table.merge(states, on=["rock", "variant"], how="left")
     shown = set(zip(table.rock, table.variant, strict=True))
     groups = set(table.rock)
@@ -277,7 +325,7 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
         ]
     ]
     table = pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True)
-    return _with_failures(table.fillna({"state": "", "reason": "", "verdict": ""}))
+    return _with_failures(table.fillna({"state": "", "reason": "", "verdict": "", "needed_by": ""}))
 
 
 def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
@@ -313,14 +361,21 @@ def cost_table(
     return pd.DataFrame([row])
 
 
-_VERDICTS = ("failed", "jumped over the maximum stress", "outside of the model's range", "")
-"""Verdicts on a joint, the worst first; the last one is that of joints without a remark."""
+_VERDICTS = (
+    "not stable: failed",
+    "jumped over the maximum stress",
+    "hard: outside of the model's range",
+    "",
+)
+"""Verdicts on a joint, the worst first, in the words of `jointclosure.assess` where they mean the
+same; the last one is that of joints without a remark, of which no copies were simulated."""
 
 
 def hardness_table(study: xr.Dataset) -> pd.DataFrame:
     """Rank the joints of a study by their status and by the force on contacts that cannot break.
 
-    Rows are joints, the worst first, at most `MOST_RANKED`: ``verdict``, ``reason``,
+    Rows are joints, the worst first, at most `MOST_RANKED`: ``walls`` (seed of their pair of walls,
+    which cases of common draws share), ``verdict``, ``reason``,
     ``unbreakable_percent`` (largest share of the force of all cycles), ``residual`` (largest of
     all steps), ``effort`` (breakage steps over the median of the case's rock). ``ranked`` is the
     number of all joints, and ``verdict_joints`` that of joints with the same verdict.
@@ -345,6 +400,7 @@ def hardness_table(study: xr.Dataset) -> pd.DataFrame:
         row: dict[str, Any] = {
             name: study[name].values[i] for name in ("rock", "parameter", "level")
         }
+        row["walls"] = str(study.seed.values[i, j])
         row |= {"joint": int(study.realization.values[j]), "status": int(status[i, j])}
         row |= {"verdict": _VERDICTS[group[i, j]], "unbreakable_percent": 100.0 * share[i, j]}
         row |= {"residual": residual[i, j], "effort": effort[i, j]}

@@ -34,6 +34,7 @@ from jointclosure.plotting.style import (
 from jointclosure.storage.files import read_csv
 from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
+from studies.assessment.larger import base_conditions
 from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
@@ -284,7 +285,8 @@ def _assessed(
 def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Tabulate the differences of variants at each condition, with verdicts on effects.
 
-    ``needed_by`` names the results that make an effect needed.
+    ``needed_by`` names the results that make an effect needed, ``joints`` is the number of joints,
+    and ``study_key`` that of the settings of a base case (`base_conditions`).
     """
     differences = []
     for at, found in _assessed(joints, settings):
@@ -294,6 +296,9 @@ def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd
         by = {name: found.needed_by(name) for name in found.effects.index}
         columns = {"verdict": verdicts, "needed_by": by}
         named = {name: table.variant.map(of).fillna("") for name, of in columns.items()}
+        base = settings["base_conditions"][at["rock"]]
+        named["joints"] = found.closures.joint.nunique()
+        named["study_key"] = base.key if base.is_at(at) else ""
         differences.append(table.assign(**at, **named))
     return _first(differences, *_CONDITION, "variant", "reference")
 
@@ -340,5 +345,6 @@ EXPERIMENT = Experiment(
         "ladders": ladders_of(study),
         "titles": study.titles,
         "within": study.section(AssessmentSection).within,
+        "base_conditions": base_conditions(study),
     },
 )

@@ -5,12 +5,14 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.assessment.assess import COPIES, JUDGED, LADDER
+from studies.assessment.larger import BaseCondition, base_conditions
 from studies.assessment.study import (
     EXPERIMENT,
     draw_assessment_effects,
     draw_assessment_hardness,
     draw_assessment_price,
     ladders_of,
+    tabulate_assessment,
 )
 from studies.conftest import points_of, tables_of
 from studies.frame.closing import close_points
@@ -36,6 +38,15 @@ def test_joints_are_those_of_assess_with_the_same_walls(jobs, tables):
     here = tables["hardness"].query("stress_MPa == 1").drop(columns=["rock", "jrc", "stress_MPa"])
     pd.testing.assert_frame_equal(here.reset_index(drop=True), found.hardness, rtol=1e-6)
     assert found.sentences[0] in tables["assessment.md"]
+
+
+def test_the_table_has_the_number_of_joints_and_the_key_of_base_cases(study, joints):
+    base = BaseCondition(base_conditions(study)["slate"].jrc, 1.0, "key")
+    settings = EXPERIMENT.settings(study) | {"base_conditions": {"slate": base}}
+    table = tabulate_assessment(joints, settings)
+    assert set(table.joints) == {2}
+    keys = table.groupby("stress_MPa").study_key.unique()
+    assert (list(keys[1.0]), list(keys[5.0])) == (["key"], [""])
 
 
 def test_scanned_rocks_are_assessed_on_copies_of_their_windows(monkeypatch):

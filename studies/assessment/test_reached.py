@@ -9,12 +9,13 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.assessment.assess import CLOSURE
+from jointclosure.assessment.assess import CLOSURE, NEEDED_AS_FAILS
 from jointclosure.cli.report import Picture, render
 from studies.assessment.panels import WORST, accuracy_panel, effects_panel, hardness_panel
 from studies.assessment.plan import RESIDUAL, AssessmentPlan
 from studies.assessment.reached import (
     ALL_ROCKS,
+    GROSS,
     LEFT_OUT,
     NEEDED,
     NOT_TESTED,
@@ -24,7 +25,8 @@ from studies.assessment.reached import (
     hardness_table,
 )
 from studies.paper.report.content import assessed, numerical_bias
-from studies.paper.report.cycles import verdict_of_cycles
+from studies.paper.report.cycles import TOO_FEW, verdict_of_cycles
+from studies.paper.report.tables import with_limits
 from tests.studied import study_of
 
 ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")
@@ -49,8 +51,10 @@ def dataset():
     return xr.Dataset(
         {
             "status": (order, [[0, 2, 1], [0, 32, 2]]),
+            "seed": (order, np.array([["a", "b", "c"], ["d", "e", "f"]])),
             CLOSURE: ((*order, "cycle"), [CLOSURES[rock] for rock in ROCKS]),
             RESIDUAL: ((*order, "cycle"), [STAYS * CLOSURES[rock] for rock in ROCKS]),
+            GROSS: ((*order, "cycle"), [2.0 * CLOSURES[rock] for rock in ROCKS]),
             "timing_simulation": (order, [OWN_SECONDS, 2.0 * OWN_SECONDS]),
             "locked_share": ((*order, "cycle"), locked),
             "flat_share": ((*order, "cycle"), 0.0 * locked),
@@ -72,6 +76,7 @@ def joints_of(rock, scale=1.0):
             "status": ("joint", np.zeros(len(values), dtype=int)),
             CLOSURE: (("joint", "cycle"), values),
             RESIDUAL: (("joint", "cycle"), REMAINS * values),
+            GROSS: (("joint", "cycle"), 2.0 * values),
             "timing_simulation": ("joint", seconds),
         },
         coords={"variant": ("joint", np.repeat(np.array(list(CHANGED), object), 2))},
@@ -168,6 +173,35 @@ def failing_table(study, joints):
 def test_an_effect_without_which_joints_fail_is_needed(failing_table):
     row = row_of(failing_table, "slate", "without interaction")
     assert (row.state, row.reason) == (NEEDED, "2 of 2 joints fail without it")
+    assert row.verdict == NEEDED_AS_FAILS
+
+
+def test_joints_that_fail_have_no_time(failing_table):
+    row = row_of(failing_table, "slate", "without interaction")
+    assert np.isnan([row.seconds, row.time_percent]).all()
+
+
+@pytest.mark.parametrize(
+    ("net", "gross", "verdict", "needed_by"),
+    [
+        (1.01, 1.02, "can be left out", ""),
+        (1.01, 1.2, "needed", "gross closure (cycles 1, 2)"),
+        (1.2, 1.01, "needed", "net closure (cycles 1, 2)"),
+    ],
+)
+def test_effects_are_judged_by_net_and_gross_closure(study, joints, net, gross, verdict, needed_by):
+    part = joints["slate"]
+    lacks = (part.variant == "without interaction").values
+    for name, factor in ((CLOSURE, net), (GROSS, gross)):
+        values = part[name].values.copy()
+        own = study[name].values[0, :2]
+        values[lacks] = own + (factor - 1.0) * own.mean(axis=0)
+        part[name] = part[name].dims, values
+    table = assessed_table(study, {"slate": part}, PLAN, {"slate": jc.Effects()}, 0.05)
+    for cycle in (1, 2):
+        row = row_of(table, "slate", "without interaction", cycle)
+        assert (row.verdict, row.needed_by) == (verdict, needed_by)
+        assert row.gross_percent == pytest.approx(100.0 * (gross - 1.0))
 
 
 def test_an_effect_without_which_joints_fail_is_shown_by_a_word(failing_table):
@@ -185,10 +219,10 @@ def test_the_cost_is_the_share_of_the_time_of_all_joints(study, joints):
 def test_joints_are_ranked_by_status_then_by_force_that_cannot_break():
     table = hardness_table(dataset())
     assert table.verdict.tolist() == [
-        "failed",
+        "not stable: failed",
         "jumped over the maximum stress",
-        "outside of the model's range",
-        "outside of the model's range",
+        "hard: outside of the model's range",
+        "hard: outside of the model's range",
         "",
         "",
     ]
@@ -291,13 +325,40 @@ def effects_axes(table):
     return effects_panel(table).axes
 
 
-def test_the_effects_panel_shows_what_an_effect_adds(effects_axes, table):
+def test_the_effects_panel_shows_changes_without_an_effect_as_the_table_does(effects_axes, table):
     left, right = effects_axes
     rows = table[(table.rock == ALL_ROCKS) & (table.variant == "without interaction")]
     points = [one.lines[0].get_xdata()[0] for one in left.containers]
-    assert points == pytest.approx((-rows.change_percent).tolist())
-    assert max(points) < 0.0  # closure is larger without it
-    assert [one.lines[0].get_xdata()[0] for one in right.containers] == pytest.approx([50.0])
+    both = rows[["change_percent", "gross_percent"]].to_numpy()
+    assert points == pytest.approx(both.ravel().tolist())
+    assert min(points) > 0.0  # closure is larger without it
+    assert [one.lines[0].get_xdata()[0] for one in right.containers] == pytest.approx([-50.0])
+
+
+@pytest.fixture
+def scattered_table(study, joints):
+    """The table of a rock, of which one joint closes ten times as far without interaction."""
+    part = joints["slate"]
+    values = part[CLOSURE].values.copy()
+    values[np.flatnonzero(part.variant == "without interaction")[0]] *= 10.0
+    part[CLOSURE] = part[CLOSURE].dims, values
+    return assessed_table(study, {"slate": part}, PLAN, {"slate": jc.Effects()}, 0.05)
+
+
+def test_changes_of_too_few_joints_are_no_numbers_in_the_report(scattered_table):
+    row = row_of(scattered_table, "slate", "without interaction")
+    assert row.change_percent_high > 1000.0
+    assert with_limits(pd.Series(row._asdict()), "change_percent") == TOO_FEW
+    known = row_of(scattered_table, "slate", "tolerance 0.1")
+    assert with_limits(pd.Series(known._asdict()), "change_percent") == "13 (-1.9 to 27)"
+
+
+def test_changes_of_too_few_joints_have_no_bars(scattered_table):
+    figure = effects_panel(scattered_table)
+    net = figure.axes[0].containers[0]
+    assert net.lines[0].get_alpha() < 0.5
+    assert np.ptp(bar_of(net)[:, 0]) == 0.0
+    assert any(text.get_text().startswith(TOO_FEW) for text in figure.legends[0].get_texts())
 
 
 def test_the_effects_panel_says_what_was_not_tested(effects_axes):
@@ -314,11 +375,25 @@ def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
     lengths = [bar.get_width() for bar in axes.patches]
     assert lengths == pytest.approx(table.unbreakable_percent[:WORST].tolist())
     words = [text.get_text().replace("\n", " ") for text in axes.texts]
-    assert words[:2] == ["failed", "jumped over the maximum stress"]
+    assert words[:2] == ["not stable: failed", "jumped over the maximum stress"]
     assert words[-1] == "no remark"
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert labels[0] == "Dolerite, joint 1"
     assert labels[1] == "Slate of Wales, joint 2"
+
+
+def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_cases():
+    table = hardness_table(dataset())
+    slate = table[table.rock == "slate"]
+    soft = slate.assign(parameter="youngs_modulus", level="low")
+    soft["unbreakable_percent"] += 7.0
+    both = pd.concat([soft, slate], ignore_index=True)
+    axes = hardness_panel(both, {"slate": "Slate"}).axes[0]
+    assert len(axes.patches) == slate.walls.nunique() == 3
+    shares = slate.unbreakable_percent.to_numpy()
+    lines = [line.get_xdata() for line in axes.lines if line.get_marker() == "|"]
+    np.testing.assert_allclose(lines, np.column_stack([shares, shares + 7.0]))
+    assert axes.get_yticklabels()[0].get_text() == "Slate, joint 2\n2 cases"
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -355,6 +430,18 @@ def test_the_headline_has_the_error_of_the_numerics_of_the_study(study, joints, 
     assert "against tolerance 0.02 on the same walls" in words
     assert "share that remains is off by 10 (10 to 10) percentage points" in words
     assert "4 joints of Slate, Dolerite" in words
+
+
+def test_the_headline_says_that_joints_are_too_few_and_what_decides(study, joints, table):
+    cost = cost_table([study], joints, PLAN)
+    wide = table.assign(change_percent_low=-500.0, change_percent_high=360.0)
+    words = bias_of({"study_assessment": wide, "study_assessment_cost": cost})
+    assert "not known, because 4 joints of Slate, Dolerite are too few. make assess" in words
+    assert "360" not in words
+    one = table.assign(change_percent_low=table.change_percent_low.where(table.cycle == 1, -500.0))
+    words = bias_of({"study_assessment": one, "study_assessment_cost": cost})
+    assert " % on cycle 1 against" in words
+    assert "On other cycles: too few joints. make assess" in words
 
 
 def test_the_headline_says_why_the_error_of_the_numerics_is_not_known(study, joints, table):

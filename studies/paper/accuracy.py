@@ -319,11 +319,18 @@ def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True
     )
     if not missing or not ended:
         return sentence
-    least = table.least_percent.max()
+    lacking = table[~table.met]
+    least = lacking.least_percent.max()
+    needed = lacking[["surfaces_needed", "differences_needed"]].to_numpy().max()
+    can = f"can give about {least:.2g} %" if math.isfinite(least) else "do not give all of them"
+    if accuracy.most < needed < math.inf:
+        return (
+            f"{sentence}; this is impossible with {accuracy.most} realisations, the largest number "
+            f"(most): it needs about {needed:.2g}, and {accuracy.most} {can}"
+        )
     if accuracy.budget_core_minutes is not None and counts.differences < accuracy.most:
         return (
             f"{sentence}; the budget of {accuracy.budget_core_minutes:g} minutes of processor time "
             "does not suffice for more"
         )
-    can = f"can give about {least:.2g} %" if math.isfinite(least) else "do not give all of them"
     return f"{sentence}; {accuracy.most} realisations, the largest number, {can}"

@@ -10,11 +10,13 @@ import xarray as xr
 
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import Numerics, scene_of
-from jointclosure.statistics.standard_errors import Estimate, rounded
+from jointclosure.statistics.standard_errors import Estimate, jackknife_error, rounded
 from studies.frame.tables import over_stress, succeeded
 from studies.paper.closures import estimate_columns
 from studies.paper.requirements import REPORTED
 
+CLOSURE = "max_closure_seated_net"
+"""Closure of the headline, of which means without flagged joints are tabulated."""
 VOLUME_TOLERANCE = 1e-12
 REMARKED = "simulations flagged"
 """Beginning of the names of checks that count joints with a remark."""
@@ -55,15 +57,15 @@ REMARKS = {mask: name for mask, name in FLAGS.items() if mask < FAILURE}
 
 
 def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate joints with a remark, and the change [%] of mean maximum closures without them.
+    """Tabulate joints with a remark, and the change [%] of mean net closures without them.
 
     There is a row for each remark, case that has such joints, and cycle: the number of ``joints``
-    with the remark, of all ``samples`` that are used, the means [mm] with and without them, and the
-    change with its standard error.
+    with the remark, of all ``samples`` that are used, the mean maximum net closures since seating
+    [mm] with and without them, and the change with its standard error.
     """
     good = succeeded(study).transpose("case", "realization").values
     statuses = study.status.transpose("case", "realization").values
-    closures = 1e3 * study.max_closure.transpose("cycle", "case", "realization").values
+    closures = 1e3 * study[CLOSURE].transpose("cycle", "case", "realization").values
     rows = []
     for (mask, remark), place in itertools.product(REMARKS.items(), range(len(good))):
         used = good[place]
@@ -76,32 +78,34 @@ def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
         about |= {"joints": int(marked.sum()), "samples": marked.size}
         for cycle, values in zip(study.cycle.values.tolist(), closures[:, place], strict=True):
             mean = values[used].mean()
-            change = _change_without(values[used], marked)
-            row = about | {"cycle": cycle, "max_closure_mean_mm": mean}
+            change = change_without(values[used], marked)
+            row = about | {"cycle": cycle, "net_closure_mean_mm": mean}
             row |= {"mean_without_mm": mean * (1.0 + change.value)}
             rows.append(row | estimate_columns("change_percent", change, 100.0))
     columns = ["remark", "case", "rock", "parameter", "level", "joints", "samples", "cycle"]
-    columns += ["max_closure_mean_mm", "mean_without_mm"]
+    columns += ["net_closure_mean_mm", "mean_without_mm"]
     columns += ["change_percent", "change_percent_standard_error"]
     return pd.DataFrame(rows, columns=columns)
 
 
-def _change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
+def change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
     """Return the relative change of the mean of values (n,) when the marked ones are left out.
 
-    It is the share of the marked values times the difference of the means of both groups. Its error
-    follows from their pooled variance. It is NaN if no value is left.
+    Its standard error is that of a jackknife over joints, because in other joints the share of
+    marked ones differs too. It is NaN if one unmarked joint is left, and the change if there is
+    none.
     """
-    left = values[~marked]
-    out = values[marked]
-    if not left.size:
-        return Estimate(np.nan, np.nan)
-    change = left.mean() / values.mean() - 1.0
-    freedom = values.size - 2
-    squares = sum(np.sum((part - part.mean()) ** 2) for part in (left, out))
-    variance = squares / freedom if freedom else np.nan
-    error = out.size / values.size * np.sqrt(variance * (1.0 / left.size + 1.0 / out.size))
-    return Estimate(float(change), float(error / values.mean()))
+    change = _relative_change(values, marked)
+    left_out = [
+        _relative_change(np.delete(values, place), np.delete(marked, place))
+        for place in range(values.size)
+    ]
+    return Estimate(change, float(jackknife_error(left_out)))
+
+
+def _relative_change(values: np.ndarray, marked: np.ndarray) -> float:
+    """Return the relative change of a mean without marked values; NaN if there are no others."""
+    return float(values[~marked].mean() / values.mean() - 1.0) if not marked.all() else np.nan
 
 
 def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tuple[str, str]]:
@@ -119,12 +123,12 @@ def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tu
     lines = [(name, f"{joints} of {total}, in {len(cases)} cases")]
     if (most := most_changed(rows)) is not None:
         where = f"{most.case}, cycle {most.cycle}"
-        without = f"largest change of a mean maximum closure without {name}"
+        without = f"largest change of a mean net closure since seating without {name}"
         lines.append((without, f"{change_in_words(most)} ({where})"))
     for case, part in cases:
         first = part.iloc[0]
         changes = [f"cycle {row.cycle}: {change_in_words(row)}" for row in part.itertuples()]
-        without = f"mean maximum closure without them: {', '.join(changes)}"
+        without = f"mean net closure since seating without them: {', '.join(changes)}"
         lines.append((f"{name} of {case}", f"{first.joints} of {first.samples}; {without}"))
     return lines
 

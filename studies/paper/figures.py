@@ -11,6 +11,7 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
@@ -236,6 +237,7 @@ def closure_figure(
         handles.append(key("mean of all surfaces, loading and unloading", **_mean_style(1)))
     if any(map(_lawful, rocks.values())):
         label = "Barton-Bandis law (empirical, mated joints)"
+        label += "" if seating_stress is None else ",\nwhich may leave the frame"
         handles.append(key(color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
@@ -271,7 +273,11 @@ def _draw_rock(
         for cycle in set(cycles) & set(CYCLES):
             law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
             closure = 1e3 * (law.closure(stress) - law.closure(first))
-            axes.plot(closure, 1e-6 * stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
+            line = Line2D(closure, 1e-6 * stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
+            if seating_stress is None:
+                axes.add_line(line)
+            else:
+                axes.add_artist(line)  # the axis has the range of the study's curves
     if seating_stress is None:
         fitted = ""
         closure_of = "gross closure since the start of the cycle (mm)"

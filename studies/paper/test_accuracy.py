@@ -23,6 +23,7 @@ from studies.paper.accuracy import (
     START,
     Counts,
     _log_length,
+    describe_reached,
     next_counts,
     reached_table,
     start_counts,
@@ -161,6 +162,17 @@ def test_both_counts_grow_by_blocks_until_all_is_met_or_nothing_is_left():
     assert next_counts(rows([500], 500), small, START) is None
     larger = Accuracy(within=0.05, budget_core_minutes=69.0 + 4.0 * 4)
     assert next_counts(rows([500], 8), larger, START) == (20, 8)
+
+
+def test_a_request_that_the_largest_number_of_realisations_cannot_meet_is_impossible():
+    tight = Accuracy(within=1e-6, budget_core_minutes=45.0)
+    words = describe_reached(rows([5, 4.8e11], 30), tight)
+    assert words.endswith(
+        "this is impossible with 200 realisations, the largest number (most): it needs about "
+        "4.8e+11, and 200 can give about 4 %"
+    )
+    words = describe_reached(rows([5, 150], 30), tight)
+    assert words.endswith("the budget of 45 minutes of processor time does not suffice for more")
 
 
 PRICE = pd.DataFrame(

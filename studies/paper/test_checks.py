@@ -19,7 +19,7 @@ from studies.frame.settings import walls_of
 from studies.frame.tables import join_cases, since_seating
 from studies.frame.test_closing import NAMES, point_of
 from studies.paper import figures
-from studies.paper.checks import check_results, flow_table, remarked_joints
+from studies.paper.checks import change_without, check_results, flow_table, remarked_joints
 from studies.paper.closures import max_closure_table
 from studies.paper.histories import simulate_again
 from studies.paper.report.content import outcome, scanned_walls
@@ -95,9 +95,9 @@ def test_the_checks_of_a_study_hold_the_mass_balance(studies, worst, balanced):
 
 @pytest.fixture
 def with_remarks(studies):
-    """Study with closures of 1, 2 and 6 mm in the first case, of which the last has two remarks."""
+    """Study with net closures of 1, 2 and 6 mm in the first case; the last has two remarks."""
     study = studies[False].copy(deep=True)
-    study["max_closure"][0] = np.array([[1e-3, 2e-3, 6e-3]] * 2).T
+    study["max_closure_seated_net"][0] = np.array([[1e-3, 2e-3, 6e-3]] * 2).T
     study["status"][0] = [0, 0, OUTSIDE_MODEL_RANGE | TARGET_JUMPED]
     study["status"][1] = OUTSIDE_MODEL_RANGE
     return study
@@ -107,14 +107,27 @@ def test_joints_outside_of_the_range_are_counted_by_case_with_the_means_without_
     table = remarked_joints(with_remarks).set_index(["remark", "case", "cycle"])
     first = table.loc["outside_model_range", "slate-base", 1]
     assert (first.joints, first.samples) == (1, 3)
-    assert (first.max_closure_mean_mm, first.mean_without_mm) == pytest.approx((3.0, 1.5))
+    assert (first.net_closure_mean_mm, first.mean_without_mm) == pytest.approx((3.0, 1.5))
     assert first.change_percent == pytest.approx(-50.0)
-    # a third of the difference of the means, 4.5 mm, whose variance is 0.5 mm2 times (1/2 + 1/1)
-    error = np.sqrt(0.5 * 1.5) / 3.0
-    assert first.change_percent_standard_error == pytest.approx(100.0 * error / 3.0)
+    # without the first, second or third joint the change is 2/4 - 1, 1/3.5 - 1, or 0
+    error = np.sqrt(2.0 * np.var([-0.5, -2.5 / 3.5, 0.0]))
+    assert first.change_percent_standard_error == pytest.approx(100.0 * error)
     assert table.loc["target_jumped", "slate-base", 1].joints == 1
     none_left = table.loc["outside_model_range", str(with_remarks.case.values[1]), 1]
     assert (none_left.joints, np.isnan(none_left.change_percent)) == (3, True)
+
+
+def test_the_error_of_a_change_without_joints_is_the_scatter_of_this_change_over_studies():
+    random = np.random.default_rng(3)
+    closures = random.lognormal(sigma=0.4, size=(4000, 16))
+    marked = random.random(closures.shape) < 1.0 / (1.0 + np.exp(4.0 - 3.0 * closures))
+    found = [
+        change_without(*study)
+        for study in zip(closures, marked, strict=True)
+        if study[1].any() and (~study[1]).sum() > 1
+    ]
+    changes, errors = np.array(found).T
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(np.std(changes), rel=0.25)
 
 
 def test_joints_that_failed_are_no_joints_with_a_remark(with_remarks):
@@ -136,18 +149,18 @@ def test_checks_say_which_cases_lie_outside_of_the_range(checks):
 
 def test_checks_say_what_cases_outside_of_the_range_change(checks, with_remarks):
     first = checks[f"{OUTSIDE} of slate-base"]
-    assert first.startswith("1 of 3; mean maximum closure without them: ")
-    assert "cycle 1: -50 ± 10 %" in first
+    assert first.startswith("1 of 3; mean net closure since seating without them: ")
+    assert "cycle 1: -50 ± 40 %" in first
     assert "no joint is left" in checks[f"{OUTSIDE} of {with_remarks.case.values[1]}"]
-    largest = checks[f"largest change of a mean maximum closure without {OUTSIDE}"]
-    assert largest == "-50 ± 10 % (slate-base, cycle 1)"
+    largest = checks[f"largest change of a mean net closure since seating without {OUTSIDE}"]
+    assert largest == "-50 ± 40 % (slate-base, cycle 1)"
 
 
 def test_the_report_counts_joints_outside_of_the_range_among_those_used(with_remarks):
     with_remarks["status"][1] = OUTSIDE_MODEL_RANGE | FAILURE
     outside = outcome(with_remarks, {"slate": "Slate"})["remarks"]["outside_model_range"]
     assert (outside["joints"], outside["cases"]) == (1, 1)
-    assert "-50 ± 10 % (Slate, cycle 1)" in outside["change"]
+    assert "-50 ± 40 % (± standard error; Slate, cycle 1)" in outside["change"]
 
 
 def test_the_report_describes_scanned_walls(with_remarks):
@@ -252,3 +265,14 @@ def test_one_joint_beyond_a_limit_fails_one_check_unless_the_joint_failed(studie
         assert checks[~checks.passed].check.tolist() == count
     assert failed[good] == []
     assert len(failed[bad]) == 1
+
+
+def test_the_axis_of_closures_since_seating_has_the_range_of_the_joints_not_of_the_law(studies):
+    rocks = study_of(TINY).rocks
+    figure = figures.closure_figure(studies[False], rocks, 5e5, 1.5, history=lambda *_: None)
+    for axes in figure.axes:
+        law = next(line for line in axes.lines if line.get_color() == "0.2")
+        joints = [line.get_xdata() for line in axes.lines if line is not law]
+        reach = max(np.nanmax(x) for x in joints)
+        assert axes.get_xlim()[1] < 1.1 * reach
+    assert law.get_xdata().max() > axes.get_xlim()[1]

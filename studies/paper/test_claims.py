@@ -20,6 +20,7 @@ from studies.paper.claims import (
     smoothed_by_all_levels,
 )
 from studies.paper.judged_claims import ClosedModel, Evidence, judge_claims
+from studies.paper.report.tables import percent_text
 from studies.paper.responses import Levels, RockSample
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world
@@ -285,3 +286,18 @@ def test_other_rocks_are_asked_without_the_papers_figures():
     # without Poisson's ratio nothing is ranked
     others = ["2c", "3b", "3c", "4", "5a", "5a, net", "5b", "5c", "5d", "6a", "6b"]
     assert table.index.tolist() == others
+
+
+@pytest.mark.parametrize(
+    ("shares", "text"),
+    [
+        ((0.98, 0.05, 0.88, 1.0), "98 % (88 to 100)"),
+        ((0.999, 0.004), "100 % (99.1 to 100)"),
+        ((0.01, 0.02), "1 % (0 to 5)"),
+        ((1.0, 0.0, 0.96, 1.0), "100 % (96 to 100)"),
+        ((0.5, 0.0), "50 %"),
+        ((np.nan, np.nan), ""),
+    ],
+)
+def test_shares_in_the_report_have_intervals_within_0_and_100_percent(shares, text):
+    assert percent_text(*shares) == text

@@ -155,6 +155,13 @@ def test_long_axes_of_percentages_say_that_they_are_logarithmic_with_ticks_apart
     assert decades <= set(ticks)
 
 
+@pytest.mark.parametrize("width", [2.2, 1.7])
+def test_narrow_axes_of_percentages_have_each_power_of_ten(width):
+    _, axes = subplots(figsize=(width, 2.0))
+    percent_ticks(axes.xaxis, 10.0, -160.0, 160.0, narrow=True)
+    assert {-100.0, -10.0, 0.0, 10.0, 100.0} <= set(axes.get_xticks())
+
+
 def test_short_axes_of_percentages_are_linear():
     _, axes = subplots(figsize=(3.0, 2.2))
     assert percent_ticks(axes.yaxis, 5.0, -12.0, 15.0) == ""

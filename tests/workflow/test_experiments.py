@@ -150,6 +150,10 @@ def test_an_estimate_of_a_study_without_experiments_is_of_its_own_joints(tmp_pat
         "study_estimate.csv"
     ]
     assert not (folder / "results/tiny/cases").exists()
+    table = folder / "results/tiny/tables/study_estimate.csv"
+    written = table.stat().st_mtime_ns
+    assert line in snakemake(folder, "estimate").splitlines()  # shown again, not computed again
+    assert table.stat().st_mtime_ns == written
 
 
 def test_a_row_more_of_a_sample_closes_no_former_joint():

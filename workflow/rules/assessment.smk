@@ -33,6 +33,12 @@ if PLAN is not None:
             study=f"{RESULTS}/study.nc",
             pool=f"{RESULTS}/pool.nc" if POOL == "pool" else [],
             joints=collect(f"{RESULTS}/assessed/{{rock}}.nc", rock=PLAN.points),
+            # that of make assess, if it was made
+            larger=[
+                file
+                for file in [f"{RESULTS}/tables/assessment.csv"]
+                if PLAN.points and os.path.exists(file)
+            ],
         output:
             differences=f"{RESULTS}/tables/study_assessment.csv",
             cost=f"{RESULTS}/tables/study_assessment_cost.csv",
@@ -46,6 +52,7 @@ if PLAN is not None:
             plan=PLAN._replace(points={}),
             effects={name: rock.effects for name, rock in STUDY.rocks.items()},
             within=STUDY.assessment.within,
+            conditions=base_conditions(STUDY),
             code=code("tabulate_assessed.py"),
         message:
             "Tabulate what the numerics of the study reached, and what its effects add"

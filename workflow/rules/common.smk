@@ -16,6 +16,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.storage.files import digest
 from jointclosure.walls.scans import file_digest, files_of
+from studies.assessment.larger import base_conditions
 from studies.assessment.plan import READ as ASSESSED_QUANTITIES
 from studies.assessment.plan import planned as planned_assessment
 from studies.frame.cases import (

@@ -118,7 +118,6 @@ rule estimate_experiment:
             rock: settings
             for rock, (_, settings) in scans_estimated(w.experiment).items()
         },
-        notes=lambda w: notes_on_estimate() if w.experiment == "study" else [],
         code=code("estimate_experiment.py", titles=False),
     message:
         "Estimate the time of the joints of {wildcards.experiment} from a few of them"
@@ -126,14 +125,24 @@ rule estimate_experiment:
         "../scripts/estimate_experiment.py"
 
 
+# It has no output, so that it shows stored estimates again.
 rule estimate:
     input:
         collect(
             f"{RESULTS}/tables/{{experiment}}_estimate.csv",
             experiment=EXPERIMENTS or ["study"],
         ),
+    log:
+        f"{RESULTS}/logs/estimate.log",
+    conda:
+        ENVIRONMENT
+    params:
+        notes=[] if EXPERIMENTS else notes_on_estimate(),
+        code=code("show_estimates.py"),
     message:
         "Tables of the expected time are in {RESULTS}/tables"
+    script:
+        "../scripts/show_estimates.py"
 
 
 # Targets, one for each experiment: `snakemake mismatch --configfile studies/mismatch/mismatch.yaml`

@@ -4,7 +4,7 @@ from itertools import islice
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.pilots import described_time, estimate_time
+from studies.frame.pilots import estimate_time
 from studies.frame.settings import walls_in
 
 if __name__ == "__main__":
@@ -15,5 +15,4 @@ if __name__ == "__main__":
             for (rock, settings), file in zip(params.scanned.items(), read.scanned, strict=True)
         }
         estimate = estimate_time(params.groups, log, scanned)
-        log.show(described_time(estimate, params.notes))
         write_csv(estimate, snakemake.output[0])

@@ -1,7 +1,8 @@
 """Tabulate the accuracy of a study's numerics, and what its effects add and cost."""
 
-from jointclosure.storage.files import write_csv
+from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.logs import logging_to
+from studies.assessment.larger import with_larger
 from studies.assessment.reached import assessed_table, cost_table
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
@@ -21,5 +22,15 @@ if __name__ == "__main__":
         table = assessed_table(
             datasets["study"], joints, params.plan, params.effects, params.within
         )
+        cost = cost_table(list(datasets.values()), joints, params.plan)
+        if read.larger:
+            table, count = with_larger(
+                table,
+                read_csv(read.larger[0]),
+                params.conditions,
+                params.plan.stated,
+                params.within,
+            )
+            cost["joints_of_make_assess"] = count
         write_csv(table, output.differences)
-        write_csv(cost_table(list(datasets.values()), joints, params.plan), output.cost)
+        write_csv(cost, output.cost)

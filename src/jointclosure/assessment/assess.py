@@ -64,6 +64,8 @@ _MEANINGS = {
     "numerics is small",
 }
 """Verdicts on a joint, the worst first, in words."""
+NEEDED_AS_FAILS = "needed: fails"
+"""Verdict on effects without which a joint fails."""
 _VERDICTS = tuple(_MEANINGS)
 DROPS = (
     ("gouge",),
@@ -175,13 +177,9 @@ class Assessment:
     def verdict(self, variant: str) -> str:
         """Return whether effects can be left out within the request, by `JUDGED` of all cycles."""
         if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
-            return "needed: fails"
+            return NEEDED_AS_FAILS
         rows = self.differences[self.differences.variant == variant]
-        ends = rows.loc[rows.quantity.isin(JUDGED), list(Interval._fields)].dropna()
-        inside = {Interval(*row).within(self.within) for row in ends.to_numpy()}
-        return (
-            "needed" if False in inside else "not decided" if None in inside else "can be left out"
-        )
+        return verdict_on_effects(rows, self.within)
 
     def needed_by(self, variant: str) -> str:
         """Return which results leave the request without effects, see `results_beyond`."""
@@ -562,6 +560,23 @@ def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
     """Return joints in the order of their verdicts, and of the spread of their copies."""
     order = np.lexsort((-hardness.spread, hardness.verdict.map(_VERDICTS.index)))
     return hardness.iloc[order].reset_index(drop=True)
+
+
+def verdict_on_effects(differences: pd.DataFrame, within: float) -> str:
+    """Return whether effects can be left out within a request, by `JUDGED` of all cycles.
+
+    ``differences`` are rows of `Assessment.differences` of the variant without them. They can be
+    left out if all intervals lie inside the request, and are needed if one lies outside.
+    """
+    ends = differences.loc[differences.quantity.isin(JUDGED), list(Interval._fields)].dropna()
+    inside = {Interval(*row).within(within) for row in ends.to_numpy()}
+    return (
+        "needed"
+        if False in inside
+        else "not decided"
+        if None in inside or not inside
+        else "can be left out"
+    )
 
 
 def results_beyond(differences: pd.DataFrame, within: float) -> str:

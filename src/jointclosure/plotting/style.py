@@ -29,6 +29,8 @@ BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
 
 _LABEL_WIDTH, _LABEL_HEIGHT = 0.38, 0.25
 """Least distances [inches] of labels beside and above each other."""
+_SMALL_CHARACTER = 0.068
+"""Width [inches] of a character of small labels, with room for a narrower axis."""
 
 _STYLE = {  # settings of matplotlib
     **sns.plotting_context("paper", font_scale=1.1),
@@ -109,8 +111,9 @@ def percent_ticks(axis: Axis, linear: float, low: float, high: float, narrow: bo
     """Scale an axis of signed percentages, and return words on the scale for its label.
 
     An axis that reaches no further than four times ``linear`` is linear. A longer one is linear up
-    to there and logarithmic beyond; the linear part of a ``narrow`` one is half as long. It has as
-    many labels as there is room for, powers of ten first, and short ticks between them.
+    to there and logarithmic beyond; the linear part of a ``narrow`` one is half as long, and its
+    labels are small. It has as many labels as there is room for, powers of ten first, and short
+    ticks between them.
     """
     horizontal = isinstance(axis, XAxis)
     axes = axis.axes
@@ -130,11 +133,19 @@ def percent_ticks(axis: Axis, linear: float, low: float, high: float, narrow: bo
     length = (axes.bbox.width if horizontal else axes.bbox.height) / axes.figure.dpi
     places = axis.get_transform().transform
     start, end = places(np.array([low, high]))
-    apart = (_LABEL_WIDTH if horizontal else _LABEL_HEIGHT) * (end - start) / length
+    scale = (end - start) / length
+
+    def room(value: float) -> float:
+        width = _SMALL_CHARACTER * (len(f"{value:g}") + 1.0) if narrow else _LABEL_WIDTH
+        return scale * (width if horizontal else _LABEL_HEIGHT)
+
     ticks: list[float] = []
     for value in (sign * magnitude for magnitude in magnitudes for sign in (1.0, -1.0)):
-        gaps = np.abs(places(np.array(ticks)) - places(np.array([value]))) if ticks else np.inf
-        if low <= value <= high and np.min(gaps) >= apart:
+        free = all(
+            abs(np.diff(places(np.array([tick, value])))[0]) >= 0.5 * (room(tick) + room(value))
+            for tick in ticks
+        )
+        if low <= value <= high and free:
             ticks.append(value)
     ticks_at(axis, sorted(ticks))
     axis.set_minor_locator(FixedLocator([sign * value for value in beyond for sign in (-1, 1)]))

@@ -33,12 +33,14 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.layout import case_title, test_name
-from studies.paper.report.cycles import REFERENCE, verdict_of_cycles
+from studies.paper.report.cycles import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
 from studies.paper.report.tables import About, frames_of, with_limits
 from studies.paper.requirements import REPORTED
 
 STAYS = "Share that remains at seating (%)"
 CLOSES = "Net closure since seating, cycle {cycle} (mm)"
+DECIDES = "make assess with the configuration of this study decides this."
+"""What to do where joints of the assessment are too few."""
 HALF_WIDTH = "_half_width"
 """Suffix of the columns of half-widths of 95 % intervals."""
 
@@ -129,8 +131,8 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
         if most is not None:
             case = case_title(titles, most.rock, most.parameter, most.level)
             change = (
-                f"mean gross closures without them change at most by {change_in_words(most)} "
-                f"({case}, cycle {most.cycle})"
+                "mean net closures since seating without them change at most by "
+                f"{change_in_words(most)} (± standard error; {case}, cycle {most.cycle})"
             )
         joints = int(of_cases.joints.sum())
         cases = len(of_cases)
@@ -173,20 +175,35 @@ def assessed(
     within = assessment.within
     about["within"] = percent(within)
     reached = settings[settings.of_study.eq(True) & (settings.verdict != REFERENCE)]
+    if len(reached):  # that of make assess may be finer
+        about["cost"] = cost.copy()
+        about["cost"]["reference"] = reached.reference.iloc[0]
     about["errors"] = [
-        f"{with_limits(row, 'change_percent')} % on cycle {row.cycle:.0f}: {row.verdict}"
+        f"{with_unit(row, 'change_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
         for _, row in reached.iterrows()
     ]
     about["errors_of_share"] = [
-        f"{with_limits(row, 'remains_points')} percentage points"
-        for _, row in reached[reached.cycle == 1].iterrows()
+        with_unit(row, "remains_points", "percentage points")
+        for _, row in reached[reached.cycle == 1].dropna(subset="remains_points").iterrows()
     ]
+    changes = whole[whole.verdict.fillna("").ne(REFERENCE)]
+    about["too_few"] = any(is_too_wide(row, "change_percent") for _, row in changes.iterrows())
     about["verdicts"] = {
         name: verdict_of_cycles(rows) for name, rows in settings.groupby("variant", sort=False)
     }
     about["samples"] = int(settings.joints.max())
-    about["rocks"] = [titles[rock] for rock in str(cost.rocks).split(", ")]
+    larger = cost.get("joints_of_make_assess", 0)
+    about["larger"] = larger > 0
+    about["joints"] = int(larger) if larger > 0 else cost.joints
+    rocks = [*titles] if larger > 0 else str(cost.rocks).split(", ")
+    about["rocks"] = [titles[rock] for rock in rocks]
     return about
+
+
+def with_unit(row: pd.Series, name: str, unit: str) -> str:
+    """Format a number with its interval and unit, or why it is not known (`with_limits`)."""
+    words = with_limits(row, name)
+    return words if words == TOO_FEW else f"{words} {unit}"
 
 
 def numerical_bias(about: Mapping[str, Any]) -> str:
@@ -206,12 +223,18 @@ def numerical_bias(about: Mapping[str, Any]) -> str:
     if not about["errors"]:
         return f"{unknown}no finer numerics than the study's ({about['cost'].stated}) are compared."
     joints = f"{about['samples']} joints of {', '.join(about['rocks'])}"
-    closures = " and ".join(error.partition(":")[0] for error in about["errors"])
-    share = f"; the share that remains is off by {about['errors_of_share'][0]}"
+    known = [error for error in about["errors"] if TOO_FEW not in error]
+    if not known:
+        return f"{unknown}{joints} are too few. {DECIDES}"
+    closures = " and ".join(error.partition(":")[0] for error in known)
+    others = "" if known == about["errors"] else f" On other cycles: {TOO_FEW}. {DECIDES}"
+    share = "".join(
+        f"; the share that remains is off by {error}" for error in about["errors_of_share"]
+    )
     return (
         f"In addition the numerics of this study ({about['cost'].stated}) change the net closure "
         f"by {closures} against {about['cost'].reference} on the same walls{share} (95 % "
-        f"intervals, {joints}). The numbers above are not corrected for it."
+        f"intervals, {joints}).{others} The numbers above are not corrected for it."
     )
 
 

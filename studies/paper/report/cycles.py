@@ -1,7 +1,15 @@
 """Verdicts of an assessment on the change of a mean closure, by cycle and over all cycles."""
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 import pandas as pd
 
+WIDEST = 100.0
+"""Largest half-width of an interval [%] with which a change is shown: beyond, nothing is known."""
+TOO_FEW = "too few joints"
+"""In place of a change whose interval is wider."""
 REFERENCE = "reference"
 """Verdict on the setting from which the differences of others are taken."""
 VERDICT_OF = {True: "within", False: "beyond", None: "not determined"}
@@ -19,3 +27,9 @@ def verdict_of_cycles(rows: pd.DataFrame) -> str:
     known = set(rows.verdict)
     order = (REFERENCE, *(VERDICT_OF[key] for key in (False, None, True)))
     return next((one for one in order if one in known), VERDICT_OF[None])
+
+
+def is_too_wide(row: Mapping[str, Any], name: str) -> bool:
+    """Return whether the interval of a change is wider than ±`WIDEST`; one joint has none."""
+    low, high = (row.get(f"{name}{end}", np.nan) for end in ("_low", "_high"))
+    return bool(np.isfinite([low, high]).all() and high - low > 2.0 * WIDEST)

@@ -20,6 +20,7 @@ from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
 from studies.paper.layout import table_3
+from studies.paper.report.cycles import TOO_FEW, is_too_wide
 from studies.paper.requirements import REPORTED
 
 NOT_TRIED = "not tried"
@@ -127,13 +128,17 @@ def probability(value: float, error: float) -> str:
 
 
 def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
-    """Format a share and its standard error in percent; with an error of 0, its interval."""
+    """Format a share in percent with its 95 % interval, such as "98 % (91 to 100)".
+
+    An interval that is not given is two standard errors to each side, and ends at 0 and 100 %.
+    """
     if pd.isna(share):
         return ""
-    text = f"{rounded(100.0 * share, 100.0 * error)} %"
-    if error > 0.0 or pd.isna(low):
-        return text
-    return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
+    if pd.isna(low):
+        low, high = max(share - 2.0 * error, 0.0), min(share + 2.0 * error, 1.0)
+    if pd.isna(low) or low == high:
+        return percent(share)
+    return f"{percent(share)} ({100.0 * low:.3g} to {100.0 * high:.3g})"
 
 
 def predicted(predictive: pd.DataFrame) -> pd.DataFrame:
@@ -191,14 +196,21 @@ def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
         shown[name] = [
             ABSENT if pd.isna(x) else f"{x:.0f}" for x in shown.get(name, [np.nan] * len(shown))
         ]
-    for name, column in (("change", "change_percent"), ("remains", "remains_points")):
+    shown["needed_by"] = shown.get("needed_by", pd.Series("", shown.index))  # not in older tables
+    columns = {"change": "change_percent", "gross": "gross_percent", "remains": "remains_points"}
+    for name, column in columns.items():
         shown[name] = [with_limits(row, column) for _, row in shown.iterrows()]
     return {f"study_{kind}": part for kind, part in shown.groupby("kind", sort=False)}
 
 
 def with_limits(row: pd.Series, name: str) -> str:
-    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)"; one joint has none."""
+    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)"; one joint has none.
+
+    Where the interval is so wide that nothing is known, the text is `TOO_FEW`.
+    """
     value, low, high = (row.get(f"{name}{end}", np.nan) for end in ("", "_low", "_high"))
+    if is_too_wide(row, name):
+        return TOO_FEW
     if pd.isna(value) or not np.isfinite([low, high]).all():
         return number_text(value, 2)
     return f"{number_text(value, 2)} ({number_text(low, 2)} to {number_text(high, 2)})"
@@ -256,7 +268,9 @@ def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
             "Of used (n)": first.samples,
         }
         for line in part.itertuples():
-            row[f"Change of mean closure without them, cycle {line.cycle}"] = change_in_words(line)
+            row[f"Change of mean net closure without them, cycle {line.cycle}"] = change_in_words(
+                line
+            )
         rows.append(row)
     return pd.DataFrame(rows)
 
