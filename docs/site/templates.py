@@ -30,7 +30,7 @@ STUDIES = {
 """Pages of single studies, with their folders; others are parts of docs/beyond.md."""
 NOTE = "<!-- Made by `make docs`: edit {}. -->\n\n"
 OLDER_SOLVER = (
-    "accuracy_requests", "assessment", "conclusions", "continuum", "effects_auto", "flow",
+    "accuracy_requests", "conclusions", "continuum", "effects_auto", "flow",
     "global_sensitivity", "global_sensitivity_full", "growth", "growth_once", "jrc_range",
     "large_pool", "later_loadings", "measured_fit",
     "numerics", "peers", "price_before", "readings_average", "registration", "size",
