@@ -386,13 +386,14 @@ def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_ca
     table = hardness_table(dataset())
     slate = table[table.rock == "slate"]
     soft = slate.assign(parameter="youngs_modulus", level="low")
-    soft["unbreakable_percent"] += 7.0
+    soft["unbreakable_percent"] += 40.0
     both = pd.concat([soft, slate], ignore_index=True)
     axes = hardness_panel(both, {"slate": "Slate"}).axes[0]
     assert len(axes.patches) == slate.walls.nunique() == 3
     shares = slate.unbreakable_percent.to_numpy()
     lines = [line.get_xdata() for line in axes.lines if line.get_marker() == "|"]
-    np.testing.assert_allclose(lines, np.column_stack([shares, shares + 7.0]))
+    np.testing.assert_allclose(lines, np.column_stack([shares, shares + 40.0]))
+    assert axes.get_xlim()[1] > 1.5 * (shares.max() + 40.0)
     assert axes.get_yticklabels()[0].get_text() == "Slate, joint 2\n2 cases"
 
 

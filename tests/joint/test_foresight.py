@@ -257,6 +257,7 @@ def test_the_warning_near_the_strength_is_of_fixed_steps_too():
     conditions = jc.Conditions(max_normal_stress=150e6, **NEAR | {"numerics": jc.Numerics()})
     (warning,) = simulation.Simulation(*pair(12), conditions.checked()).near_strength()
     assert "is 111 % of the stress that all cells together carry" in warning
+    assert "many times as long as at lower stresses" in warning
 
 
 def test_a_simulation_runs_once():
@@ -271,7 +272,7 @@ def test_a_simulation_runs_once():
 def test_the_warning_near_the_strength_says_how_much_longer_it_takes(stress, said):
     conditions = jc.Conditions(max_normal_stress=stress, **NEAR).checked()
     (warning,) = simulation.Simulation(*pair(12), conditions).near_strength()
-    assert f"takes roughly {said} as long as at 24 % of it" in warning
+    assert f"may take roughly {said} as long as at 24 % of it" in warning
 
 
 @pytest.mark.parametrize(

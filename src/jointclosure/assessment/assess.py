@@ -570,13 +570,11 @@ def verdict_on_effects(differences: pd.DataFrame, within: float) -> str:
     """
     ends = differences.loc[differences.quantity.isin(JUDGED), list(Interval._fields)].dropna()
     inside = {Interval(*row).within(within) for row in ends.to_numpy()}
-    return (
-        "needed"
-        if False in inside
-        else "not decided"
-        if None in inside or not inside
-        else "can be left out"
-    )
+    if False in inside:
+        return "needed"
+    if None in inside or not inside:
+        return "not decided"
+    return "can be left out"
 
 
 def results_beyond(differences: pd.DataFrame, within: float) -> str:
