@@ -102,16 +102,16 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
             values = by_setting[name]
             value = values[1.0].iloc[0]
             true = values[TRUE].iloc[0]
-            changed = values[2.0].to_numpy()
-            every = [value, *changed]
+            every = [value, *values[2.0]]
+            scatter = scatter_of(every)
+            apart = np.log(true / value)
             seconds = by_setting.seconds
             rows.append({
                 "joint": number, "quantity": title, "cycle": cycle,
                 "stated": numerical_error(every, jump, column, int(cycle)),
-                "true": np.expm1(abs(np.log(true / value))),
-                "jump": jump, "scatter": scatter_of(every),
-                "apart": np.log(true / value),
-                "not_stable": scatter_of(every) > NOT_STABLE,
+                "true": np.expm1(abs(apart)),
+                "jump": jump, "scatter": scatter, "apart": apart,
+                "not_stable": scatter > NOT_STABLE,
                 "cost": seconds[2.0].sum() / seconds[1.0].sum(),
             })  # fmt: skip
     return pd.DataFrame(rows)

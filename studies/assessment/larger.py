@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.assess import JUDGED, NEEDED_AS_FAILS
+from jointclosure.assessment.assess import NEEDED_AS_FAILS
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.compilation.sources import code_digest
 from jointclosure.statistics.two_level import Interval
@@ -15,6 +15,8 @@ from jointclosure.storage.files import digest
 from studies.assessment.reached import (
     ALL_ROCKS,
     EFFECTS,
+    ENDS,
+    JUDGED_COLUMNS,
     LEFT_OUT,
     NEEDED,
     SETTING,
@@ -24,9 +26,6 @@ from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.points import settings_of
 from studies.paper.report.cycles import REFERENCE, VERDICT_OF
-
-_ENDS = {"value": "", "low": "_low", "high": "_high"}
-"""Suffixes of the columns of a number and its interval, in both tables."""
 
 
 class BaseCondition(NamedTuple):
@@ -123,11 +122,11 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
             row: dict[str, Any] = {"rock": rock, "kind": EFFECTS if effects else SETTING}
             row |= {"variant": variant, "reference": first.reference, "cycle": cycle}
             row |= {"of_study": variant == stated, "joints": first.joints, "failed": int(fails)}
-            for name, quantity in zip(("change", "gross"), JUDGED, strict=True):
+            for quantity, name in JUDGED_COLUMNS.items():
                 found = part[part.quantity == quantity].iloc[0]
                 row |= {
                     f"{name}_percent{suffix}": found[f"{end}_percent"]
-                    for end, suffix in _ENDS.items()
+                    for end, suffix in ENDS.items()
                 }
             seconds = math.nan if fails else times[variant]
             row |= {"seconds": seconds, "seconds_standard_error": math.nan}
@@ -150,7 +149,7 @@ def _judged(rows: list[dict[str, Any]], within: float) -> list[dict[str, Any]]:
 def _of_setting(row: Mapping[str, Any], within: float) -> str:
     if row["variant"] == row["reference"]:
         return REFERENCE
-    ends = (0.01 * row[f"change_percent{suffix}"] for suffix in _ENDS.values())
+    ends = (0.01 * row[f"change_percent{suffix}"] for suffix in ENDS.values())
     return VERDICT_OF[Interval(*ends).within(within)]
 
 

@@ -211,16 +211,18 @@ def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
     differences = pd.DataFrame(
         [
             {"quantity": quantity, "cycle": row["cycle"]}
-            | {end: 0.01 * row[f"{name}_percent{suffix}"] for end, suffix in _ENDS.items()}
+            | {end: 0.01 * row[f"{name}_percent{suffix}"] for end, suffix in ENDS.items()}
             for row in rows
-            for quantity, name in zip(JUDGED, ("change", "gross"), strict=True)
+            for quantity, name in JUDGED_COLUMNS.items()
         ]
     )
     return verdict_on_effects(differences, within), results_beyond(differences, within)
 
 
-_ENDS = {"value": "", "low": "_low", "high": "_high"}
+ENDS = {"value": "", "low": "_low", "high": "_high"}
 """Suffixes of the columns of a number and of its interval."""
+JUDGED_COLUMNS = dict(zip(JUDGED, ("change", "gross"), strict=True))
+"""Beginnings of the columns of changes, by the closures by which effects are judged."""
 
 
 def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:

@@ -172,15 +172,16 @@ class Budget(NamedTuple):
         drawn = self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
         best = self.ranges.loc[(cycle, quantity), "best"]
         below = (drawn < best).mean() if len(drawn) else 0.5
-        if OUTLYING <= below <= 1.0 - OUTLYING:
+        share = max(below, 1.0 - below)
+        if share <= 1.0 - OUTLYING:
             return []
         line = (
             f"{QUANTITIES[quantity]}, cycle {cycle}: that of the walls as registered, with the "
             f"usual values of all inputs, is {_two_digits(best)}, "
-            f"{'smaller' if below < 0.5 else 'larger'} than {100.0 * max(below, 1.0 - below):.0f} "
+            f"{'smaller' if below < 0.5 else 'larger'} than {100.0 * share:.0f} "
             "% of the results of random inputs"
         )
-        if max(below, 1.0 - below) < 1.0:
+        if share < 1.0:
             return [line]
         return [
             caution(f"{line}. They all change it in one direction, and the range may be biased")

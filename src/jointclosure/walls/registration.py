@@ -182,8 +182,10 @@ def registered(
         If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
         in a "common_frame", and heights of a scan from above count "towards" the lower wall.
     spacing : float, optional
-        Grid spacing of the walls [m]: by default the larger point distance of the scans, or the
-        multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are sampled.
+        Grid spacing of the walls [m]: by default the larger point distance of the scans (that of a
+        grid, if the scattered points of the other scan are on average up to 5 % farther apart), or
+        the multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are
+        sampled.
         If a scan holds no waves of twice this spacing, the default is the multiple of it that the
         scan resolves, up to 16 cells along the shorter side (``LEAST_CELLS``).
     orientation : str, optional
@@ -275,7 +277,7 @@ class _PreparedScans(NamedTuple):
     level: dict[str, Scan | Cloud]  # turned until their mean planes are level, if steep
     both: tuple[Scan | Cloud, Scan | Cloud]  # upper and lower wall as they are registered
     levelling: Motion | None  # by which the scan that states the frame of the walls was turned
-    distance: float  # larger point distance of the scans, with spikes [m]
+    distance: float  # of points [m], with spikes, as `_common_distance`
     remarks: list[str]
 
 
