@@ -58,8 +58,8 @@ from jointclosure.solvers.products import assign
 
 _MARGIN = 2
 """Width in cells of the margin around the grid, infinitely high and never in contact."""
-_COLOURS = 9
-"""Colours of fixed steps: cells three apart in both directions, which share no neighbours."""
+_APART = 3
+"""Distance of the cells of one colour with fixed steps, which then share no neighbours."""
 _NEAR = 1e-9
 """Relative distance of a pair's overlap from that at breakage below which the pair is checked. It
 is much more than the rounding of the overlap ratio, so that skipping pairs changes no result."""
@@ -100,6 +100,7 @@ class Turns(NamedTuple):
     waits: np.ndarray  # 1 for a cell in a list, else 0; 1 in the margin, which is never added
     lists: np.ndarray  # cells (colours, most cells of a colour)
     counts: np.ndarray  # number of waiting cells of each colour
+    colour_beside: np.ndarray  # of the eight neighbours of the cells of each colour
 
 
 class WorkSpace(NamedTuple):
@@ -185,15 +186,25 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
 
 
 @kernel
-def colour_map(ny, nx, count):
-    """Return the colours (y, x) of cells, from 0 to ``count`` - 1.
-
-    With `_COLOURS` colours the cells of one are three apart in both directions; with 1 all are 0.
-    """
+def colour_map(ny, nx, apart):
+    """Return the colours (y, x) of cells, which are ``apart`` cells apart in both directions."""
     colours = np.empty((ny, nx), np.int64)
     for y in range(ny):
         for x in range(nx):
-            colours[y, x] = (3 * (y % 3) + x % 3) % count
+            colours[y, x] = apart * (y % apart) + x % apart
+    return colours
+
+
+@kernel
+def colours_beside(apart):
+    """Return the colours (colours, 8) of the neighbours of cells of each colour of `colour_map`."""
+    colours = np.empty((apart * apart, 8), np.int64)
+    for colour in range(apart * apart):
+        for k in range(8):
+            place = k + (k >= CENTRE)  # among the 3 x 3 cells
+            y = (colour // apart + place // 3 + apart - 1) % apart
+            x = (colour % apart + place % 3 + apart - 1) % apart
+            colours[colour, k] = apart * y + x
     return colours
 
 
@@ -212,14 +223,16 @@ def padded_cells(upper, lower, approach, peaks):
 
 
 @kernel
-def new_turns(ny, nx, colours):
-    """Return `Turns` of a grid with a number of colours, without waiting cells."""
-    of_a_colour = ny * nx if colours == 1 else ((ny + 2) // 3) * ((nx + 2) // 3)
+def new_turns(ny, nx, apart):
+    """Return `Turns` of a grid whose cells of one colour are ``apart`` cells apart; none waits."""
+    colours = apart * apart
+    of_a_colour = ((ny + apart - 1) // apart) * ((nx + apart - 1) // apart)
     return Turns(
-        padded(colour_map(ny, nx, colours), 0),
+        padded(colour_map(ny, nx, apart), 0),
         padded(np.zeros((ny, nx), np.int64), 1),
         np.empty((colours, of_a_colour + 1), np.int64),
         np.zeros(colours, np.int64),
+        colours_beside(apart),
     )
 
 
@@ -230,7 +243,7 @@ def work_space(shape: tuple[int, int], resolved: bool) -> WorkSpace:
     cells = padded_cells(high, high, level, np.zeros(shape, np.int64))
     return WorkSpace(
         cells,
-        new_turns(*shape, 1 if resolved else _COLOURS),
+        new_turns(*shape, 1 if resolved else _APART),
         np.full(cells.upper.size, -math.inf),
         np.stack((cells.upper, cells.lower)),
         np.empty(level.size, np.int64),
@@ -295,17 +308,17 @@ def note_holding(batch, n, looked_at, cells, holds_to):
     The overlap ratio is 1 where the overlap is overlap / ratio.
     """
     for i in range(n):
-        cell = looked_at[i]
+        cell = unsigned(looked_at[i])
         overlap = batch.overlap[i]
         ratio = batch.overlap_ratio[i]
-        if batch.breaks[i] > 0.0 or not overlap > 0.0:
-            continue
-        holds_to[cell] = math.inf
-        if ratio > 0.0:
-            approach = cells.approach[cell]
-            most = overlap / ratio
-            heights = abs(cells.upper[cell]) + abs(cells.lower[cell]) + abs(approach)
-            holds_to[cell] = approach + ((1.0 - _NEAR) * most - overlap) - _ROUNDING * heights
+        approach = cells.approach[cell]
+        most = overlap / ratio
+        heights = abs(cells.upper[cell]) + abs(cells.lower[cell]) + abs(approach)
+        holding = approach + ((1.0 - _NEAR) * most - overlap) - _ROUNDING * heights
+        holding = holding if ratio > 0.0 else math.inf
+        # selections without a branch, because it would be unpredictable
+        holds = (batch.breaks[i] == 0.0) & (overlap > 0.0)
+        holds_to[cell] = holding if holds else holds_to[cell]
 
 
 @kernel
@@ -318,32 +331,47 @@ def let_wait(turns, cell):
 
 
 @kernel
+def overlaps(cells, cell):
+    """Return whether the walls of a cell overlap."""
+    return cells.upper[cell] + cells.lower[cell] + cells.approach[cell] > 0.0
+
+
+@kernel
 def let_overlapping_wait(cells, turns, holds_to):
     """Make all overlapping cells wait that are not known to hold; none may be waiting before."""
     for cell in range(cells.upper.size):
-        approach = cells.approach[cell]
-        if approach > holds_to[cell] and cells.upper[cell] + cells.lower[cell] + approach > 0.0:
+        # one branch that is seldom taken, in place of two that are unpredictable
+        if (cells.approach[cell] > holds_to[cell]) & overlaps(cells, cell):
             let_wait(turns, cell)
 
 
 @kernel
-def starts_to_wait(cells, turns, near):
+def starts_to_wait(cells, turns, cell):
     """Return 1 for a cell that overlaps and does not wait yet, else 0."""
-    overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
-    # without a branch, because it would be unpredictable
-    return (1 - turns.waits[near]) & (overlap > 0.0)
+    return (1 - turns.waits[cell]) & overlaps(cells, cell)
 
 
 @kernel
-def let_neighbours_wait(cells, turns, cell, beside):
-    """Make the cells ``beside`` a cell wait if they overlap and do not wait yet."""
-    for offset in beside:
-        near = unsigned(cell + offset)
-        colour = unsigned(turns.colour[near])
-        new = starts_to_wait(cells, turns, near)
-        turns.lists[colour, unsigned(turns.counts[colour])] = near
-        turns.counts[colour] += new
-        turns.waits[near] |= new
+def let_neighbours_wait(cells, turns, broken, beside, colour):
+    """Make the neighbours of broken cells (n,) of a colour wait if they overlap.
+
+    Those that wait already are not listed again. All cells at one of the offsets ``beside`` those
+    of a colour have one colour, so that only one list grows at a time.
+    """
+    for k in range(beside.size):
+        offset = beside[k]
+        its_colour = turns.colour_beside[colour, k]
+        waiting = turns.lists[its_colour]
+        count = turns.counts[its_colour]
+        for cell in broken:
+            near = unsigned(cell + offset)
+            # without a branch, because it would be unpredictable
+            before = turns.waits[near]
+            after = before | overlaps(cells, near)
+            waiting[unsigned(count)] = near
+            count += after - before
+            turns.waits[near] = after
+        turns.counts[its_colour] = count
 
 
 @kernel
@@ -442,17 +470,15 @@ def let_ring_be_due(cells, due, broken, ring, moment):
         for offset in ring:
             near = unsigned(cell + offset)
             # most are due already, which is faster to see than their overlap
-            if due.moment[near] != following:
-                overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
-                if overlap > 0.0:
-                    set_due(due, cell + offset, following)
+            if due.moment[near] != following and overlaps(cells, near):
+                set_due(due, cell + offset, following)
 
 
 @kernel
 def set_laws(batch, n, some, kind, law):
     """Set the strength of the pairs at cells ``some`` (n,), which depends on their states."""
     for i in range(n):
-        state = kind[some[i]]
+        state = unsigned(kind[unsigned(some[i])])
         batch.critical_indentation[i] = law.critical_indentation[state]
         batch.filling[i] = law.filling[state]
         batch.substrate_strength[i] = law.substrate * law.breaking_force[state]
@@ -491,11 +517,13 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
 
 
 @kernel
-def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside):
-    """Write broken pairs back to the walls, and make their overlapping neighbours wait.
+def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside, colour):
+    """Write broken pairs of a colour back to the walls; their overlapping neighbours then wait.
 
-    They wait themselves if any pair of the batch is ``still_breaking``.
+    They wait themselves if any pair of the batch is ``still_breaking``. Their cells become the
+    first of ``some`` (n,).
     """
+    m = 0
     for i in range(n):
         if batch.steps[i] == 0.0:
             continue
@@ -504,7 +532,9 @@ def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside):
         forget(holds_to, cell, 2, cells.stride)
         if still_breaking:
             let_wait(turns, cell)
-        let_neighbours_wait(cells, turns, cell, beside)
+        some[m] = cell
+        m += 1
+    let_neighbours_wait(cells, turns, some[:m], beside, colour)
 
 
 @kernel
@@ -632,7 +662,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
         following = space.following
         taken = space.taken
         beside, around, ring = neighbour_offsets(cells.stride)
-        colours = 1 if resolved else _COLOURS
+        colours = turns.counts.size
         walks = short_steps > 1
         growing = padded(growth, 0.0) if walks else cells.approach
         due = no_cells_due(cells.upper.size if walks else 0, short_steps)
@@ -725,7 +755,9 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     for i in range(n):
                         broken = add_changes(batch, i, some[i], cells, following, taken, broken)
                 else:
-                    write_back(batch, n, some, breaking > 0, cells, turns, space.holds_to, beside)
+                    write_back(
+                        batch, n, some, breaking > 0, cells, turns, space.holds_to, beside, colour
+                    )
             if resolved:
                 write_together(following, taken[:broken], cells, turns, around)
                 if walks:

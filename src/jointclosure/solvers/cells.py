@@ -64,13 +64,19 @@ def profiles(heights, cells, out):
     They become the rows of ``out`` (5, n), infinite outside the grid of ``heights`` (y, x).
     """
     ny, nx = heights.shape
+    flat = heights.ravel()
+    inverse = 1.0 / nx
     for i in range(cells.size):
-        y, x = divmod(cells[i], nx)
-        out[0, i] = heights[y, x]
-        out[1, i] = heights[y, x - 1] if x > 0 else math.inf
-        out[2, i] = heights[y, x + 1] if x < nx - 1 else math.inf
-        out[3, i] = heights[y - 1, x] if y > 0 else math.inf
-        out[4, i] = heights[y + 1, x] if y < ny - 1 else math.inf
+        cell = cells[i]
+        # in floating point, since the division of integers is slow; the half of a cell is much more
+        # than its rounding
+        y = int((cell + 0.5) * inverse)
+        x = cell - y * nx
+        out[0, i] = flat[cell]
+        out[1, i] = flat[cell - 1] if x > 0 else math.inf
+        out[2, i] = flat[cell + 1] if x < nx - 1 else math.inf
+        out[3, i] = flat[cell - nx] if y > 0 else math.inf
+        out[4, i] = flat[cell + nx] if y < ny - 1 else math.inf
 
 
 @kernel
@@ -144,9 +150,9 @@ def overlapping_cells(upper, lower, offset, peaks, law):
     overlap = gaps[:count].copy()
     curvature = curvatures_at(upper, cells, law) + curvatures_at(lower, cells, law)
     compliance = np.empty(count)
+    states = peaks.ravel()
     for i in range(count):
-        y, x = divmod(cells[i], nx)
-        compliance[i] = law.asperity_modulus[peaks[y, x]]
+        compliance[i] = law.asperity_modulus[states[cells[i]]]
     for i in range(count):
         compliance[i] = asperity_compliance(curvature[i], compliance[i])
     return cells, overlap, curvature, compliance
