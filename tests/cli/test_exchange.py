@@ -390,7 +390,7 @@ def figure(history):
 def test_the_engineering_figure_names_its_bands(figure):
     (legend,) = figure.legends
     shown = {text.get_text() for text in legend.get_texts()}
-    assert {"cycle 1, band of nine in ten", "cycle 2, band of nine in ten"} <= shown
+    assert {"cycle 1, 9 in 10 joints", "cycle 2, 9 in 10 joints"} <= shown
 
 
 def test_the_engineering_figure_shows_transmissivity_in_square_metres(figure):

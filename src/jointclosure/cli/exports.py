@@ -17,6 +17,7 @@ from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
 from jointclosure.joint.status import LOADING, ONLY_BOUNDS
 from jointclosure.joint.tables import columns_of, curve_table, cycle_table
+from jointclosure.statistics.standard_errors import percent
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -183,11 +184,16 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
         ending, which = _CLOSES[of_band]
         more = _difference_at(stress, rows, loadings[""], seating)
         (stiffness, largest), _, _ = fit_law(law, stress, closure + more, seating)
-        if not np.isfinite(largest):
+        if not np.isfinite([stiffness, largest]).all():
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
                 f"{BENDS:g} times its largest closure or less than its standard error"
             )
+            if np.isnan(stiffness):
+                reason = (
+                    f"the loading of cycle {cycle} does not determine kni, which is less than its "
+                    "standard error"
+                )
             if not ending:
                 raise InputError(f"{program}: {reason}")
             print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
@@ -388,7 +394,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str
         miss = np.abs(1.0 / (start + slope * stress) - aperture)
         lines += [
             f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: off by up to "
-            f"{1e3 * miss.max():.2g} um, {100.0 * (miss / aperture).max():.2g} % -->",
+            f"{1e3 * miss.max():.2g} um, {percent((miss / aperture).max())} -->",
             f'  <BartonBandis name="{name}" referenceAperture="{1e-3 / start:.6e}" '
             f'referenceNormalStress="{1e6 * reference:.6e}"/>',
         ]
@@ -411,7 +417,7 @@ def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarra
 
 
 _TABLES = (
-    ("normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch", "kn",
+    ("tangent stiffness (Pa/m) against normal stress (Pa) by cycle and branch", "kn",
      "normal_stiffness_net_MPa_per_mm", 1e9),
     ("hydraulic aperture (m) against normal stress (Pa) by cycle and branch", "aperture",
      "hydraulic_aperture_mm", 1e-3),
