@@ -196,7 +196,7 @@ def test_an_assessed_joint_is_closed_as_by_the_library(assessed):
 def test_an_assessment_shows_its_variants_at_their_price(assessed):
     _, first, _ = assessed
     assert "without breakage and gouge" in str(first)
-    columns = ["seconds", "net closure 1 (%)", "net stiffness 1 (%)"]
+    columns = ["seconds", "net closure 1 (%)", "net chord stiffness 1 (%)"]
     assert list(first.price.columns) == columns
 
 

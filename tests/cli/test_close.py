@@ -230,6 +230,8 @@ def test_a_report_of_a_joint_with_a_range_is_written(ranged, command):
     page = (ranged[0] / "report.html").read_text()
     size = f"{nx * 0.5:g} x {ny * 0.5:g} mm ({nx} x {ny} cells of 0.5 mm)"
     assert f"the joint of {size} closes" in page
+    assert "other programs are of cycle 1, the first loading" in page
+    assert ranged[2]["exports_of"] == "cycle 1, the first loading"
 
 
 def test_chord_and_tangent_stiffness_have_names_of_their_own(ranged):

@@ -48,7 +48,7 @@ STIFFNESS = "stiffness_net"
 ASSESSED = {
     CLOSURE: "net closure",
     "max_closure": "gross closure",
-    STIFFNESS: "net stiffness",
+    STIFFNESS: "net chord stiffness",
     "mean_aperture_at_max": "aperture",
 }
 """Quantities that are compared, and their short titles."""

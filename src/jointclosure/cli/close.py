@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import export_files
+from jointclosure.cli.exports import export_files, exported_loading
 from jointclosure.execution.progress import duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
@@ -151,5 +151,6 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
+        "exports_of": exported_loading(history, joint.curves),
         **answer,
     }

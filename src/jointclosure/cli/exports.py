@@ -34,6 +34,7 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
   voxelFile="{file}"
   interpolation="linear"/>
 """
+_EXPORTED = "constants for other programs (barton_bandis.dat, porepy*.json) and tables for GEOS"
 _NET = (
     "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
     "the half-spaces; answer.csv, curves.csv and cycles.csv have gross values too"
@@ -68,9 +69,8 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
-    if last := _last_from_seating(joint, curves):
-        of_loading = _of_loading(joint, last)
-        print(f"- constants for other programs, and tables for GEOS, are of {of_loading}")
+    if of_loading := exported_loading(joint, curves):
+        print(f"- {_EXPORTED} are of {of_loading}")
     of_laws = partial(barton_bandis_commands, laws=laws)
     exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
     for export in exports:
@@ -79,6 +79,12 @@ def export_files(
         except InputError as error:  # the files of other programs are still written
             print(f"- not written: {error}")
     return files | {"engineering.png": engineering_figure(joint, title, curves, laws.by_cycle)}
+
+
+def exported_loading(joint: xr.Dataset, curves: pd.DataFrame) -> str:
+    """Describe the loading of constants for other programs; "" if there is none."""
+    last = None if failed(joint) else _last_from_seating(joint, curves)
+    return _of_loading(joint, last) if last else ""
 
 
 def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
@@ -110,7 +116,7 @@ def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> st
     stiffness = net_responses(joint)["stiffness_net"]
     ratio = stiffness[cycle - 1] / stiffness[0]
     if np.isfinite(ratio):
-        about += f", which is {ratio:.3g} times as stiff as cycle 1 (chords of kn)"
+        about += f", which is {ratio:.3g} times as stiff as cycle 1 (chord stiffness)"
     if np.ndim(joint.attrs["max_normal_stress_Pa"]):  # a history, whose cycles are its maxima
         option = f"its first maximum as the only stress, with {option},"
     return f"{about}; {option} gives the first loading"

@@ -204,7 +204,7 @@ def engineering_figure(
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> Figure:
-    """Draw closure and its laws, net stiffness, aperture and flow, with bands if known."""
+    """Draw closure and its laws, tangent stiffness, aperture and flow, with bands if known."""
     curves = stress_table(joint) if curves is None else curves
     has_flow = history_of(joint).has_flow
     shape, size = ((2, 2), (10.4, 9.2)) if has_flow else ((1, 3), (13.5, 5.4))

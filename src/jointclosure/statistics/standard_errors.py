@@ -160,15 +160,15 @@ def with_equal_decimals(values: Sequence[float], figures: int = 2) -> list[str]:
         return [number_text(value, figures) if value else "0" for value in values]
     finite = [value for value in values if math.isfinite(value)]
     low, high = min(finite, default=0.0), max(finite, default=0.0)
-    places = [0]
+    if not high > low and not known:
+        return ["0" if math.isfinite(value) else number_text(value) for value in values]
+    places = []
     if low * high > 0.0:
         first = next(abs(value) for value in finite)
         places = [figures - 1 - _power(first, figures)]
         places += [-_power(least, 1) for least in [min(known)] if least >= 1e-2 * first]
-    elif known:
-        places = []
-    if high > low:
-        places.append(_places_of_error(high - low))
+    if high > low:  # of an interval about 0 a quarter is about a standard error
+        places.append(_places_of_error((high - low) / (1.0 if places else 4.0)))
     return [_with_places(value, max(places)) for value in values]
 
 

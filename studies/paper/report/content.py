@@ -273,7 +273,8 @@ def summary_frame(
         for cycle in of_rock.cycle:
             values = 1e-9 * used.stiffness_net.sel(cycle=cycle).values
             known = int(np.isfinite(values).sum())
-            row |= _with_half_width(f"Net kn, cycle {cycle} (MPa/mm)", harmonic_mean(values), known)
+            title = f"Net chord stiffness, cycle {cycle} (MPa/mm)"
+            row |= _with_half_width(title, harmonic_mean(values), known)
         rows.append(row)
     return pd.DataFrame(rows)
 
