@@ -80,7 +80,7 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
-    """Draw net normal stiffness kn [MPa/mm] over stress [MPa]."""
+    """Draw net tangent stiffness kn [MPa/mm] over stress [MPa]."""
     axes = _axes(axes)
     draw_stiffness(axes, stress_table(_history(joint)))
     return axes

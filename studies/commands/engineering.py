@@ -1,4 +1,4 @@
-"""Writes a table for each case: closure, normal stiffness and, for a study with flow, apertures
+"""Writes a table for each case: closure, tangent stiffness and, for a study with flow, apertures
 over stress, with mean, median and a band of 90 % over its joints (docs/export.md). No joint is
 closed again.
 """
@@ -35,7 +35,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write a CSV table for each named case (default: base cases).
 
-    Columns are closure, normal stiffness and apertures over stress (`band_table`).
+    Columns are closure, tangent stiffness and apertures over stress (`band_table`).
     """
     folder = arguments.output or arguments.results / "engineering"
     with reading_netcdf(study_of(arguments.results)) as study:

@@ -121,7 +121,7 @@ def _surfaces_label(study: xr.Dataset, seating_stress: float | None) -> str:
     """Return the legend's text for the thin lines, which join closures at the stored stresses."""
     number = study.sizes["realization"]
     lowest = 1e-6 * float(study.stress[1])
-    every = "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
+    every = "every joint" if number < MOST_DRAWN else f"each of the first {number} joints"
     if seating_stress is None:
         every += f" from {lowest:.2g} MPa,\nand ticks where it starts and ends at zero stress"
     return every
@@ -228,13 +228,13 @@ def closure_figure(
             axes.tick_params(labelleft=part == 0)
     handles: list[Artist] = [key(f"cycle {c}", color=f"C{c - 1}", lw=2) for c in cycles]
     handles += [
-        key(color="0.5", lw=2, label="surface closest to the mean, all steps of loading"),
+        key(color="0.5", lw=2, label="joint closest to the mean, all steps of loading"),
         key(color="0.5", lw=2, ls="--", label="the same, unloading"),
         key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces_label(study, seating_stress)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if seating_stress is not None:
-        handles.append(key("mean of all surfaces, loading and unloading", **_mean_style(1)))
+        handles.append(key("mean of all joints, loading and unloading", **_mean_style(1)))
     if any(map(_lawful, rocks.values())):
         label = "Barton-Bandis law (empirical, mated joints)"
         label += "" if seating_stress is None else ",\nwhich may leave the frame"

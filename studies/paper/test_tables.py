@@ -137,7 +137,7 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
     assert row[report.STAYS] == pytest.approx(100.0 * stays)
     case = study.sel(case="slate-base", cycle=1)
     compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
-    assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
+    assert row["Net chord stiffness, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
     # the headline: means of both rocks, each with half of its 95 % interval by 7 joints
     closes = report.CLOSES.format(cycle=2)
     error = base.max_closure_seated_net_mean_mm_standard_error[2]
@@ -394,7 +394,7 @@ def test_closure_since_seating_has_the_mean_over_all_surfaces(seating):
         study, {"one": rock}, seating, 1.5, history=lambda *joint: None
     )
     words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    assert ("mean of all surfaces, loading and unloading" in words) == (seating is not None)
+    assert ("mean of all joints, loading and unloading" in words) == (seating is not None)
     assert not any("unchecked" in one for one in words)
     for number, axes in enumerate(figure.axes if seating else ()):
         means = [line for line in axes.lines if line.get_linewidth() == 1.5]

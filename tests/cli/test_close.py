@@ -15,6 +15,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli import report
 from jointclosure.cli.results import summary, with_bands
+from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import conditions
 from jointclosure.joint.rocks import named_rock
@@ -99,7 +100,7 @@ def test_stiffness_at_named_stresses_is_that_of_the_curves(scans, tmp_path, comm
     rows = [(row["cycle"], row["normal stress (MPa)"]) for row in record["at"]]
     assert rows == [(1, 0.7), (1, 1.3), (2, 0.7), (2, 1.3)]
     for row, place in zip(record["at"], rows, strict=True):
-        text = row["net normal stiffness kn (MPa/mm)"]
+        text = row["net tangent stiffness kn (MPa/mm)"]
         stored = loading.loc[place, "normal_stiffness_net_MPa_per_mm"]
         assert float(text) == pytest.approx(stored, rel=1e-3)
         assert text in out
@@ -225,6 +226,22 @@ def test_an_end_of_the_range_has_input_of_porepy_where_vm_is_determined(ranged):
 
 def test_a_report_of_a_joint_with_a_range_is_written(ranged, command):
     assert command("report", ranged[0])[0] == 0
+    ny, nx = ranged[2]["cells_y_x"]
+    page = (ranged[0] / "report.html").read_text()
+    size = f"{nx * 0.5:g} x {ny * 0.5:g} mm ({nx} x {ny} cells of 0.5 mm)"
+    assert f"the joint of {size} closes" in page
+    assert "other programs are of cycle 1, the first loading" in page
+    assert ranged[2]["exports_of"] == "cycle 1, the first loading"
+
+
+def test_chord_and_tangent_stiffness_have_names_of_their_own(ranged):
+    table = ranged[2]["table"]["cycle 1"]
+    assert [title for title in table if "stiffness" in title] == ["net chord stiffness (MPa/mm)"]
+    assert CURVES["normal_stiffness_net_MPa_per_mm"][0] == "net tangent stiffness kn (MPa/mm)"
+
+
+def test_the_time_on_the_screen_says_from_when_it_counts(ranged):
+    assert re.search(r"success.*; .+ since the program started", ranged[1])
 
 
 def test_all_files_are_of_the_joint_as_it_was_closed(scans, tmp_path, command):

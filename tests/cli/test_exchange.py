@@ -324,7 +324,9 @@ def test_every_input_of_another_program_names_its_cycle_and_the_first_one(
     files = exports.export_files(history, "a joint", stress_table(history), laws)
     printed = capsys.readouterr().out
     for text in (printed, files["barton_bandis.dat"]):
-        assert f"of {title} as cycle 1 (chords of kn); --cycles 1 gives the first loading" in text
+        assert (
+            f"of {title} as cycle 1 (chord stiffness); --cycles 1 gives the first loading" in text
+        )
     for name in ("geos.xml", "geos_barton_bandis.xml"):
         assert f"of the loading of {title} as cycle 1" in files[name]
         ElementTree.fromstring(files[name])  # whose comments have no two hyphens
@@ -390,7 +392,7 @@ def figure(history):
 def test_the_engineering_figure_names_its_bands(figure):
     (legend,) = figure.legends
     shown = {text.get_text() for text in legend.get_texts()}
-    assert {"cycle 1, band of nine in ten", "cycle 2, band of nine in ten"} <= shown
+    assert {"cycle 1, 9 in 10 joints", "cycle 2, 9 in 10 joints"} <= shown
 
 
 def test_the_engineering_figure_shows_transmissivity_in_square_metres(figure):

@@ -93,6 +93,14 @@ def test_the_largest_closure_of_a_curve_that_does_not_bend_is_undetermined(power
     assert fit["rms_mm"] < 0.0187
 
 
+def test_the_initial_stiffness_of_a_curve_that_begins_flat_is_undetermined():
+    """All closure is there at once, so that any small kni fits as well: it is not 0."""
+    stress = np.linspace(0.5, 10.0, 60)
+    closure = np.where(stress > 0.5, 0.02, 0.0)
+    (kni, _), errors, _ = fit_law(LAWS["hyperbolic"], stress, closure, 0.5)
+    assert np.isnan([kni, errors[0]]).all()
+
+
 @pytest.mark.parametrize(("ratio", "determined"), [(1.2, True), (9.5, True), (10.5, False)])
 def test_the_largest_closure_is_determined_up_to_ten_times_the_measured_one(ratio, determined):
     stress = np.linspace(0.5, 10.0, 60)

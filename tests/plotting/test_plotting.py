@@ -5,6 +5,7 @@ import itertools
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 from PIL import Image
 
 import jointclosure as jc
@@ -13,7 +14,7 @@ from jointclosure.joint.tables import stress_table
 from jointclosure.plotting import snapshots
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.plotting.style import percent_ticks, subplots
-from jointclosure.plotting.walls import pair_figure
+from jointclosure.plotting.walls import HOLES, pair_figure
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
@@ -202,3 +203,20 @@ def test_the_needed_correlation_of_an_orientation_is_named_on_its_axis():
     pair = registered(*scans, orientation="common_frame", spikes="keep", unusual_values=True)
     figure = pair_figure(pair, "a pair")
     assert any("needed to be clear" in axes.get_xlabel() for axes in figure.axes)
+
+
+def test_holes_of_scans_are_seen_and_named():
+    upper, lower = jc.wall_pair(10.0, (32, 32), SPACING, 3, mismatch_wavelength=1e-3)
+    upper[4:9, 6:12] = np.nan
+    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
+    pair = registered(*scans, orientation="common_frame", spikes="keep", unusual_values=True)
+    assert pair.holes.any()
+    figure = pair_figure(pair, "a pair")
+    for axes in figure.axes[:3]:
+        (image,) = axes.images
+        np.testing.assert_array_equal(np.ma.getmaskarray(image.get_array()), pair.holes)
+        assert axes.get_facecolor() == to_rgba(HOLES)
+    (legend,) = figure.legends
+    assert "hole of a scan" in legend.get_texts()[0].get_text()
+    whole = pair._replace(holes=np.zeros_like(pair.holes))
+    assert not pair_figure(whole, "a pair").legends

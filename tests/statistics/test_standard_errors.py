@@ -17,6 +17,7 @@ from jointclosure.statistics.standard_errors import (
     ratio_of_means,
     rounded,
     variation_of,
+    with_equal_decimals,
 )
 
 LEVELS = np.array([70.0, 78.0, 85.0])
@@ -165,3 +166,31 @@ def test_numbers_have_the_digits_asked_for(value, shown):
 )
 def test_percentages_have_two_digits_below_ten(share, shown):
     assert percent(share) == shown
+
+
+@pytest.mark.parametrize(
+    ("share", "shown"), [(2.0, "200 %"), (1.63, "163 %"), (1.2e-6, "0.00012 %"), (-0.4, "-40 %")]
+)
+def test_percentages_have_no_exponent(share, shown):
+    assert percent(share) == shown
+
+
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        ((0.0974, 0.0908, 0.0996), ["0.097", "0.091", "0.100"]),
+        ((0.1024, 0.0958, 0.1045), ["0.102", "0.096", "0.104"]),  # not 0.10 (0.10 to 0.10)
+        ((195.6, 182.7, 216.9), ["196", "183", "217"]),
+        ((3580.0, 3390.0, 3781.0), ["3600", "3400", "3800"]),
+        ((144.5, 29.2, 8801.0), ["140", "30", "8800"]),  # an end that is above 0 does not read as 0
+        ((0.0085, 0.00085, 0.0589), ["0.0085", "0.0008", "0.0589"]),
+        ((-3.1, -9.2, 3.0), ["-3.1", "-9.2", "3.0"]),
+        ((3.2, -46.4, 57.1), ["3", "-46", "57"]),
+        ((0.0, 0.0, 0.8), ["0.00", "0.00", "0.80"]),
+        ((2.4e-8, 1e-9, 3e-7), ["2.4e-08", "1.0e-09", "3.0e-07"]),
+        ((np.nan, 0.2, 0.3), ["–", "0.20", "0.30"]),
+        ((0.0, 0.0, 0.0), ["0", "0", "0"]),
+    ],
+)
+def test_a_number_and_the_ends_of_its_range_have_equal_decimals(values, shown):
+    assert with_equal_decimals(values) == shown

@@ -72,7 +72,7 @@ rule close_joints:
         effects_key=lambda w: effects_key(w.rock) if CHOSEN else None,
         code=code("close_joints.py", titles=False),
     message:
-        "Close the joints of {wildcards.rock}, {wildcards.change} ({wildcards.ensemble})"
+        "Simulate the joints of {wildcards.rock}, {wildcards.change} ({wildcards.ensemble})"
     script:
         "../scripts/close_joints.py"
 

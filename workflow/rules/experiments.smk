@@ -23,7 +23,7 @@ rule close_points:
             "close_points.py", *makers(w.experiment, w.job), titles=False
         ),
     message:
-        "Close the joints of {wildcards.experiment}, {wildcards.job}"
+        "Simulate the joints of {wildcards.experiment}, {wildcards.job}"
     script:
         "../scripts/close_points.py"
 

@@ -33,6 +33,7 @@ from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import RESOLVED, Numerics
+from jointclosure.statistics.standard_errors import percent, with_equal_decimals
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
@@ -47,7 +48,7 @@ STIFFNESS = "stiffness_net"
 ASSESSED = {
     CLOSURE: "net closure",
     "max_closure": "gross closure",
-    STIFFNESS: "net stiffness",
+    STIFFNESS: "net chord stiffness",
     "mean_aperture_at_max": "aperture",
 }
 """Quantities that are compared, and their short titles."""
@@ -229,7 +230,7 @@ class Assessment:
         """Return a row of `hardness` from the rows of `closures` of a joint."""
         copies = own[own.variant == self.stated]
         features = features_of(own, self.stated, self.ladder[-1])
-        nearest, hard, distance = nearest_hard_case(features)
+        nearest, distance = nearest_hard_case(features)
         share = float(copies.unbreakable_share.max())
         judged = float(own.oracle_ratio.max())
         failed = own[~(own.status < FAILURE)]
@@ -243,19 +244,18 @@ class Assessment:
             reason = f"the independent implementation finds {found}"
         elif features["spread"] > NOT_STABLE:
             reason = (
-                f"copies that should be equal scatter by {100 * features['spread']:.2g} % (not "
+                f"copies that should be equal scatter by {percent(features['spread'])} (not "
                 f"stable: more than {100 * NOT_STABLE:.0f} %)"
             )
         else:
             easy = features["spread"] <= 0.5 * self.within and share <= LARGEST_UNBREAKABLE_SHARE
             verdict = "easy" if easy else "hard"
-            spreads = (f"{100 * x:.2g} % on cycle {n}" for n, x in spread_of(copies).items())
+            spreads = (f"{percent(x)} on cycle {n}" for n, x in spread_of(copies).items())
             reason = (
                 f"copies that should be equal scatter by {', '.join(spreads)} (easy: "
-                f"{50 * self.within:.2g} %), {100 * share:.2g} % of its force is on contacts that "
-                f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), the largest jump "
-                f"is {100 * features['largest_jump']:.2g} % of its closure, and the nearest hard "
-                f"case ({distance:.2g}) is {nearest}: {hard}"
+                f"{50 * self.within:.2g} %), {percent(share)} of its force is on contacts that "
+                f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), and the largest "
+                f"jump is {percent(features['largest_jump'])} of its closure"
             )
         row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
         return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
@@ -308,22 +308,22 @@ class Assessment:
             return f"budget = {budget:g} s: suffices for all settings; {takes}"
         if not allowed and reached[finest] > self.within:
             least = min(reached, key=lambda name: reached[name])
-            error = "not known" if least == finest else f"{100 * errors[least]:.2g} %"
+            error = "not known" if least == finest else percent(errors[least])
             return (
                 f"the request of {100 * self.within:g} % cannot be met: the least that can be had "
-                f"is {100 * reached[least]:.2g} %, with {least} in {seconds[least]:.2g} s, as its "
-                f"copies that should be equal scatter by {100 * scatter[least]:.2g} % "
+                f"is {percent(reached[least])}, with {least} in {seconds[least]:.2g} s, as its "
+                f"copies that should be equal scatter by {percent(scatter[least])} "
                 f"(the model does not determine the order of breakage) and its error is {error}"
             )
         if not allowed:
             return (
                 f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}, and "
-                f"its copies scatter by {100 * scatter[finest]:.2g} %; its error is not known"
+                f"its copies scatter by {percent(scatter[finest])}; its error is not known"
             )
         name = min(allowed, key=lambda name: seconds[name] if budget is None else reached[name])
         return (
-            f"{name} is within {100 * errors[name]:.2g} % of the finest, its copies scatter by "
-            f"{100 * scatter[name]:.2g} %, and it takes {seconds[name]:.2g} s; {takes}"
+            f"{name} is within {percent(errors[name])} of the finest, its copies scatter by "
+            f"{percent(scatter[name])}, and it takes {seconds[name]:.2g} s; {takes}"
         )
 
     @property
@@ -354,9 +354,9 @@ class Assessment:
             closed = (self._paired((finest, finest), cycle, judged)[0] for judged in JUDGED)
             means = [t_interval(values) for values in closed if values.size]
             half = max(mean.high / mean.value - 1.0 for mean in means)
-            halves.append(f"{100 * half:.2g} % on cycle {cycle}")
+            halves.append(f"{percent(half)} on cycle {cycle}")
         return (
-            f"a mean within {100 * plan.half_width:.2g} % of the finest setting takes "
+            f"a mean within {percent(plan.half_width)} of the finest setting takes "
             f"{plan.joints} joints with {name}{further}: {plan.seconds:.3g} s of processor time "
             f"(deviations of {self.closures.joint.nunique()} joints; their mean is known to "
             f"{', '.join(halves)})"
@@ -611,8 +611,8 @@ def features_of(closures: pd.DataFrame, stated: str, finest: str) -> dict[str, f
     return {name: float(fine[name].max()) for name in FEATURES[:-1]} | {"spread": float(spread)}
 
 
-def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
-    """Return the hard case with the most similar features, what is hard on it, and its distance.
+def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
+    """Return the name of the hard case with the most similar features, and its distance.
 
     Each feature is replaced by the share of hard cases in which it is less. The distance is the rms
     difference of these shares over the features.
@@ -628,13 +628,15 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, str, float]:
         apart.append((less[:-1] - less[-1]) / known.size)
     comparable = np.isfinite(apart).any(axis=0)
     if not comparable.any():
-        return "", "", math.nan
+        return "", math.nan
     distances = np.sqrt(np.nanmean(np.square(apart)[:, comparable], axis=0))
-    nearest = cases[comparable].iloc[distances.argmin()]
-    return nearest["name"], nearest.hard, float(distances.min())
+    return cases[comparable].iloc[distances.argmin()]["name"], float(distances.min())
 
 
 def percent_of(row: Any) -> str:
     """Format an interval of relative differences in percent, without the percent sign."""
-    value, low, high = (f"{float(f'{100 * v:.2g}'):+g}" for v in (row.value, row.low, row.high))
-    return f"{value} ({low} to {high})" if math.isfinite(row.low) else value
+    if not math.isfinite(row.low):
+        return f"{float(f'{100 * row.value:.2g}'):+g}"
+    ends = with_equal_decimals([100 * number for number in (row.value, row.low, row.high)])
+    value, low, high = (end if end.startswith("-") or not float(end) else f"+{end}" for end in ends)
+    return f"{value} ({low} to {high})"

@@ -12,13 +12,12 @@ docs/two_scans.md is a tutorial.
 """
 
 import argparse
-import time
 from pathlib import Path
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import export_files
-from jointclosure.execution.progress import duration
+from jointclosure.cli.exports import export_files, exported_loading
+from jointclosure.execution.progress import duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.rocks import rock_record
@@ -50,7 +49,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate the joint and write its folder; return 1 if the simulation failed."""
     from jointclosure.plotting import walls  # noqa: F401  an extra that may be missing
 
-    start = time.perf_counter()
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")
     rock, stated = options.keywords(arguments, close, RESOLVED, "max_normal_stress")
@@ -70,9 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
     wrote = results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""
-    spent = duration(time.perf_counter() - start)
+    spent = duration(seconds_of_process())
     status, *remedies = results.status_lines(joint.history)
-    print(f"{status}; {spent} in all{above}", *remedies, wrote, sep="\n")
+    print(f"{status}; {spent} since the program started{above}", *remedies, wrote, sep="\n")
     return int(results.failed(joint.history))
 
 
@@ -153,5 +151,6 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
+        "exports_of": exported_loading(history, joint.curves),
         **answer,
     }

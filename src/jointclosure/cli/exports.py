@@ -17,6 +17,7 @@ from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
 from jointclosure.joint.status import LOADING, ONLY_BOUNDS
 from jointclosure.joint.tables import columns_of, curve_table, cycle_table
+from jointclosure.statistics.standard_errors import percent
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -33,6 +34,7 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
   voxelFile="{file}"
   interpolation="linear"/>
 """
+_EXPORTED = "constants for other programs (barton_bandis.dat, porepy*.json) and tables for GEOS"
 _NET = (
     "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
     "the half-spaces; answer.csv, curves.csv and cycles.csv have gross values too"
@@ -67,9 +69,8 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
-    if last := _last_from_seating(joint, curves):
-        of_loading = _of_loading(joint, last)
-        print(f"- constants for other programs, and tables for GEOS, are of {of_loading}")
+    if of_loading := exported_loading(joint, curves):
+        print(f"- {_EXPORTED} are of {of_loading}")
     of_laws = partial(barton_bandis_commands, laws=laws)
     exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
     for export in exports:
@@ -78,6 +79,12 @@ def export_files(
         except InputError as error:  # the files of other programs are still written
             print(f"- not written: {error}")
     return files | {"engineering.png": engineering_figure(joint, title, curves, laws.by_cycle)}
+
+
+def exported_loading(joint: xr.Dataset, curves: pd.DataFrame) -> str:
+    """Describe the loading of constants for other programs; "" if there is none."""
+    last = None if failed(joint) else _last_from_seating(joint, curves)
+    return _of_loading(joint, last) if last else ""
 
 
 def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
@@ -109,7 +116,7 @@ def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> st
     stiffness = net_responses(joint)["stiffness_net"]
     ratio = stiffness[cycle - 1] / stiffness[0]
     if np.isfinite(ratio):
-        about += f", which is {ratio:.3g} times as stiff as cycle 1 (chords of kn)"
+        about += f", which is {ratio:.3g} times as stiff as cycle 1 (chord stiffness)"
     if np.ndim(joint.attrs["max_normal_stress_Pa"]):  # a history, whose cycles are its maxima
         option = f"its first maximum as the only stress, with {option},"
     return f"{about}; {option} gives the first loading"
@@ -183,11 +190,16 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
         ending, which = _CLOSES[of_band]
         more = _difference_at(stress, rows, loadings[""], seating)
         (stiffness, largest), _, _ = fit_law(law, stress, closure + more, seating)
-        if not np.isfinite(largest):
+        if not np.isfinite([stiffness, largest]).all():
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
                 f"{BENDS:g} times its largest closure or less than its standard error"
             )
+            if np.isnan(stiffness):
+                reason = (
+                    f"the loading of cycle {cycle} does not determine kni, which is less than its "
+                    "standard error"
+                )
             if not ending:
                 raise InputError(f"{program}: {reason}")
             print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
@@ -388,7 +400,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str
         miss = np.abs(1.0 / (start + slope * stress) - aperture)
         lines += [
             f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: off by up to "
-            f"{1e3 * miss.max():.2g} um, {100.0 * (miss / aperture).max():.2g} % -->",
+            f"{1e3 * miss.max():.2g} um, {percent((miss / aperture).max())} -->",
             f'  <BartonBandis name="{name}" referenceAperture="{1e-3 / start:.6e}" '
             f'referenceNormalStress="{1e6 * reference:.6e}"/>',
         ]
@@ -411,7 +423,7 @@ def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarra
 
 
 _TABLES = (
-    ("normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch", "kn",
+    ("tangent stiffness (Pa/m) against normal stress (Pa) by cycle and branch", "kn",
      "normal_stiffness_net_MPa_per_mm", 1e9),
     ("hydraulic aperture (m) against normal stress (Pa) by cycle and branch", "aperture",
      "hydraulic_aperture_mm", 1e-3),

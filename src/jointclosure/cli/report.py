@@ -22,7 +22,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.laws import LAWS, fitted_laws
 from jointclosure.joint.status import LOADING
-from jointclosure.statistics.standard_errors import ABSENT, number_text
+from jointclosure.statistics.standard_errors import ABSENT, number_text, percent_number
 from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
@@ -158,6 +158,7 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         tables["choices"] = wider.rename_axis("result").reset_index()
     return record | {
         "notes": _notes(record),
+        "size": size_text(tuple(record["cells_y_x"]), 1e-3 * record["spacing_mm"]),
         "text": text,
         "not_modelled": NOT_MODELLED,
         "ends": sorted({1, int(history.load_cycle.max())}),
@@ -166,6 +167,16 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         "tables": {name: _html(table) for name, table in tables.items()},
         "provenance": provenance_rows(history.attrs),
     }
+
+
+def size_text(shape: tuple[int, int], spacing: float) -> str:
+    """Describe the size of a joint of (ny, nx) cells [m]: "24 x 20 mm (96 x 80 cells of 0.25 mm)".
+
+    Sides along x come first.
+    """
+    ny, nx = shape
+    size = 1e3 * spacing
+    return f"{nx * size:.4g} x {ny * size:.4g} mm ({nx} x {ny} cells of {size:.4g} mm)"
 
 
 def _notes(record: dict) -> list[str]:
@@ -204,6 +215,7 @@ def render(content: dict, template: str, package: str = LIBRARY) -> str:
         autoescape=True, trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     style = resources.files(LIBRARY).joinpath("templates/style.css").read_text(encoding="utf-8")
+    environment.filters["percent_number"] = percent_number
     return environment.get_template(template).render(content, style=style)
 
 

@@ -21,11 +21,15 @@ from jointclosure.joint.tables import (
     has_bands,
     wider_columns_of,
 )
-from jointclosure.statistics.standard_errors import number_text, significant
+from jointclosure.statistics.standard_errors import (
+    number_text,
+    significant,
+    with_equal_decimals,
+)
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
-from jointclosure.uncertainty.results import APERTURE, KNI, VM, results_of, table_of
+from jointclosure.uncertainty.results import APERTURE, FITTED, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
 
 FIGURES = 7
@@ -52,6 +56,8 @@ _REASONS = {
     ),
 }
 """Why the hydraulic aperture is 0, or only bounds of it are known, by status."""
+_FLAT = 0.1
+"""Change of an end of a band over stress, over that of the joint, below which it is one number."""
 _NO_RANGE_OF_LAWS = (
     "Barton-Bandis values have no range, because JRC and JCS are taken as exact and the law states "
     "no error"
@@ -90,7 +96,7 @@ def summary(
     remarks += _hyperbola_remarks(closed)
     if budget and laws.by_cycle:
         remarks.append(_NO_RANGE_OF_LAWS)
-    remarks += _overlap_remarks(closed)
+    remarks += [*_overlap_remarks(closed), *_flat_aperture_remarks(curves)]
     if history_of(closed).has_flow:
         remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
         remarks.append(_MEAN_OF_DIRECTIONS + (_NO_RANGE_OF_DIRECTIONS if budget else ""))
@@ -171,6 +177,26 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
     return remarks
 
 
+def _flat_aperture_remarks(curves: pd.DataFrame) -> list[str]:
+    """Explain an upper end of the aperture that is one number while the joint itself closes."""
+    name = "mean_aperture_mm"
+    upper = wider_columns_of(curves, name)[1:]
+    flat = {}
+    for cycle, rows in curves[curves.branch == LOADING].groupby("cycle") if upper else ():
+        known = rows.dropna(subset=[name, *upper])
+        aperture, highest = (known[column].to_numpy()[1:] for column in (name, *upper))
+        if known.shape[0] > 2 and np.ptp(highest) < _FLAT * np.ptp(aperture):
+            flat[cycle] = f"{significant(highest[-1], 2)} mm on cycle {cycle}"
+    if not flat:
+        return []
+    return [
+        "mean aperture: its upper end with other choices of the model is about the same at all "
+        f"stresses ({', '.join(flat.values())}). It is a limit for each stress, and not the curve "
+        "of a joint: half the grid spacing is not simulated, but counts as the opposite factor of "
+        "twice the spacing, which grows with stress as much as the aperture falls"
+    ]
+
+
 def named_table(
     curves: pd.DataFrame, at: Sequence[float], with_choices: bool = False
 ) -> pd.DataFrame:
@@ -189,8 +215,7 @@ def named_table(
     figures = 2 if has_bands(curves) else 4
     for name in _NAMED:
         if name in curves and with_choices:
-            low, high = (_texts(rows[column], name, 2) for column in wider_columns_of(curves, name))
-            shown[CURVES[name][0]] = low.where(low == high, low + " to " + high)
+            shown[CURVES[name][0]] = _wider_bands(rows, name)
         elif name in curves:
             shown[CURVES[name][0]] = with_bands(rows, name, figures)
     return shown
@@ -210,7 +235,7 @@ def result_table(
 
     def text(cycle: int, name: str) -> str:
         value = float(results.loc[cycle, name])
-        if name == VM and np.isnan(value):
+        if name in FITTED and np.isnan(value):
             return UNDETERMINED
         if name == APERTURE and value <= ROUNDING:
             return "0"
@@ -234,18 +259,29 @@ def result_table(
 def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
     """Return a quantity of `stress_table` as text, each value with its band if that is known."""
     columns = columns_of(curves, name)
-    middle, *ends = (_texts(curves[column], name, figures) for column in columns)
-    if not ends:
-        return middle
+    values = _without_rounding(curves[columns], name)
+    texts = [with_equal_decimals(row, figures) for row in values.to_numpy()]
     # a value that is so by definition, such as the closure at seating, has no range
-    same = ~(curves[columns].max(axis=1) > curves[columns].min(axis=1))
-    return middle.where(same, middle + " (" + ends[0] + " to " + ends[1] + ")")
+    same = ~(values.max(axis=1) > values.min(axis=1))
+    shown = [
+        row[0] if no_range else f"{row[0]} ({' to '.join(row[1:])})"
+        for row, no_range in zip(texts, same, strict=True)
+    ]
+    return pd.Series(shown, curves.index, dtype=str)
 
 
-def _texts(values: pd.Series, name: str, figures: int) -> pd.Series:
-    """Format values of a quantity of `stress_table`, as 0 what is the rounding of it."""
+def _wider_bands(curves: pd.DataFrame, name: str) -> pd.Series:
+    """Return the bands of `stress_table` with other choices of the model as text."""
+    values = _without_rounding(curves[[name, *wider_columns_of(curves, name)]], name)
+    texts = (with_equal_decimals(row)[1:] for row in values.to_numpy())
+    shown = [low if low == high else f"{low} to {high}" for low, high in texts]
+    return pd.Series(shown, curves.index, dtype=str)
+
+
+def _without_rounding(values: pd.DataFrame, name: str) -> pd.DataFrame:
+    """Return values of a quantity of `stress_table`, 0 where they are the rounding of it."""
     least = ROUNDING if name.endswith("_mm") else 0.0
-    return values.map(lambda value: number_text(0.0 if abs(value) <= least else value, figures))
+    return values.where(~(values.abs() <= least), 0.0)
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:

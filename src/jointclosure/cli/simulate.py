@@ -15,12 +15,11 @@ examples:
 
 import argparse
 import inspect
-import time
 from typing import Any
 
 from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
-from jointclosure.execution.progress import closing_bar, duration
+from jointclosure.execution.progress import closing_bar, duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, check_named_stresses, conditions_from
 from jointclosure.joint.history import history_of
@@ -68,7 +67,6 @@ def run(arguments: argparse.Namespace) -> int:
     size = 1e3 * conditions.grid_spacing
     title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
     print(f"{title}: {conditions.load_text()}")
-    start = time.perf_counter()
     with closing_bar(conditions.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
     strength = rock.intact.compressive_strength
@@ -78,7 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
     curves = stress_table(closed, history_of(closed).table_levels(arguments.at))
     print(results.summary(closed, laws, curves, at=arguments.at)[0])
     status, *remedies = results.status_lines(closed)
-    print(f"{status}; {duration(time.perf_counter() - start)}", *remedies, sep="\n")
+    spent = duration(seconds_of_process())
+    print(f"{status}; {spent} since the program started", *remedies, sep="\n")
     closed.attrs |= {"joint": title} | results.attributes(about | stated)
     closed = results.write_animation(closed, arguments, title)
     files: dict[Any, Any] = {arguments.output: closed}

@@ -159,7 +159,7 @@ QUANTITIES: dict[str, Quantity] = {
     "residual_closure_seated_net": _net(
         "net residual closure at seating", "residual_closure_seated_net", r"x_\mathrm{res,s}"),
     "stiffness_net": _net(
-        "net normal stiffness", "stiffness_net", r"k_\mathrm{n}", "Pa/m",
+        "net chord stiffness", "stiffness_net", r"k_\mathrm{n}", "Pa/m",
         "chord of loading from half of the maximum stress to the landing on it"),
     "landing_stress": _net(
         "landing stress", "landing_stress", unit="Pa",
@@ -179,7 +179,7 @@ QUANTITIES: dict[str, Quantity] = {
         "processor time of the simulation", "s", (), lambda joint: joint.seconds, of_effort=True),
     "compliance_net": Quantity(
         "net normal compliance", "m/Pa", CYCLE, lambda joint: 1.0 / joint.net["stiffness_net"],
-        r"c_\mathrm{n}", {"comment": "one over the net normal stiffness"}),
+        r"c_\mathrm{n}", {"comment": "one over the net chord stiffness"}),
     "kni_net": Quantity(
         "initial net stiffness kni", "Pa/m", CYCLE,
         lambda joint: 1e9 * joint.hyperbola("kni_MPa_per_mm"), r"k_\mathrm{ni}", _OF_LAW),
@@ -255,7 +255,7 @@ HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.
 """Headings of tables and labels of axes, by column."""
 CURVES = {
     "closure_net_since_seating_mm": ("net closure since seating (mm)", True),
-    "normal_stiffness_net_MPa_per_mm": ("net normal stiffness kn (MPa/mm)", True),
+    "normal_stiffness_net_MPa_per_mm": ("net tangent stiffness kn (MPa/mm)", True),
     "mean_aperture_mm": ("mean aperture (mm)", False),
     "hydraulic_aperture_mm": ("hydraulic aperture (mm)", False),
     "smallest_hydraulic_mm": ("lower bound of the hydraulic aperture (mm)", False),

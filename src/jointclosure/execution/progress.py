@@ -1,11 +1,14 @@
-"""Progress of long work: a bar on a terminal, lines in a log."""
+"""Progress of long work: a bar on a terminal, lines in a log, and the time that it took."""
 
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 _BETWEEN_LINES = 30.0  # time [s] between two lines
 _PART = 0.1  # share of the work between two lines
+_IMPORTED = time.perf_counter()
 FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
 
 
@@ -70,6 +73,19 @@ class Countdown:
             left = (now - self._start) / self.done * (self.total - self.done)
             of = f"{self.title}: {self.done} of {self.total}"
             self._report(f"{of}, about {duration(left)} left" if left else of)
+
+
+def seconds_of_process() -> float:
+    """Return the wall time [s] since this process started, with the time of its imports.
+
+    On systems without /proc it is the time since this module was imported.
+    """
+    try:
+        fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        started = int(fields[19]) / os.sysconf("SC_CLK_TCK")
+        return time.clock_gettime(time.CLOCK_BOOTTIME) - started
+    except (OSError, AttributeError):
+        return time.perf_counter() - _IMPORTED
 
 
 def duration(seconds: float) -> str:

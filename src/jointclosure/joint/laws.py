@@ -126,8 +126,9 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     """Fit a law to closures (n,) [mm] at stresses (n,) [MPa] since a seating stress [MPa].
 
     Return its parameters, their standard errors, and the quality of the fit by column. All are NaN
-    if the law cannot be fitted. Vm of a curve that does not bend is undetermined, and NaN: it
-    exceeds `BENDS` times the largest closure, or has a standard error that exceeds it.
+    if the law cannot be fitted. kni or Vm of a hyperbola is undetermined, and NaN, if its standard
+    error exceeds it, and Vm also if it exceeds `BENDS` times the largest closure: the curve does
+    not bend.
     """
 
     def predicted(stress: np.ndarray, *parameters: float) -> np.ndarray:
@@ -157,8 +158,10 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     ends = stress[longest][[0, -1]].tolist() if longest else (np.nan, np.nan)
     fit = explained, float(np.sqrt(square / closure.size)), *ends
     errors = np.sqrt(np.diag(covariance))
-    if law.closure is _hyperbola and not errors[1] < values[1] <= BENDS * closure.max():
-        values[1] = errors[1] = np.nan
+    if law.closure is _hyperbola:
+        most = np.array([np.inf, BENDS * closure.max()])
+        values[~((errors < values) & (values <= most))] = np.nan
+        errors[np.isnan(values)] = np.nan
     return values, errors, dict(zip(names, fit, strict=True))
 
 

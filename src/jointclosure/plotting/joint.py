@@ -9,6 +9,7 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from jointclosure.ensembles.quantities import CURVES
@@ -26,8 +27,10 @@ DECADES = 9  # of transmissivity that are drawn at most
 SAME = 0.01  # difference of two branches over their largest value, below which they are one line
 _SEEN = ["normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"]
 """Columns whose branches are compared."""
-_CHOICES = ", with other choices of the model"
+_CHOICES = "other choices of the model too (dashed edge)"
 """End of the names of wider bands."""
+LOGARITHMIC = 3.0
+"""Ratio of the largest to the smallest result of a figure from which its axis is logarithmic."""
 AS_REGISTERED = "as registered, usual values"
 """Name of the joint itself beside its range, in whose middle it need not be."""
 
@@ -94,7 +97,13 @@ def range_figure(budget: Budget, title: str) -> Figure:
             for name in shares.index
         ]
         axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
-        axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
+        xlabel = f"net closure since seating, cycle {cycle} (mm)"
+        shown = np.concatenate([np.ravel(line.get_xdata()) for line in axes.lines[:-1]])
+        if 0.0 < LOGARITHMIC * shown.min() < shown.max():
+            axes.set(xscale="log", xlim=(0.85 * shown.min(), shown.max() / 0.85))
+            decimal_ticks(axes.xaxis)
+            xlabel += ", logarithmic"
+        axes.set(xlabel=xlabel)
     named = panels[0, 0].get_legend_handles_labels()
     about = textwrap.fill(
         f"in brackets, shares of sources: {budget.about_shares()}", 60 * len(cycles)
@@ -145,7 +154,7 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
 
 
 def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
-    """Draw net normal stiffness over stress from `stress_table`, or from bands of it."""
+    """Draw net tangent stiffness over stress from `stress_table`, or from bands of it."""
     _draw_along(axes, curves, "normal_stiffness_net_MPa_per_mm")
     axes.set(yscale="log")
     axes.legend(frameon=False, fontsize=8)
@@ -165,13 +174,14 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         label = _branch_label(curves, cycle, branch)
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
-            band = f"cycle {cycle}, band of nine in ten"
+            band = f"cycle {cycle}, 9 in 10 joints"
             wider = wider_columns_of(curves, name)
             if wider:
                 outer = [rows[end] for end in wider]
-                label_of_outer = f"{band}{_CHOICES}"
-                fill(stress, *outer, color=colour, alpha=0.07, zorder=0.5, label=label_of_outer)
-            fill(stress, low, high, color=colour, alpha=0.25, lw=0.0, label=band)
+                pale, edge = (to_rgba(colour, alpha) for alpha in (0.06, 0.9))
+                edges: dict = {"facecolor": pale, "edgecolor": edge, "ls": "--", "lw": 0.8}
+                fill(stress, *outer, zorder=0.5, label=f"cycle {cycle}, {_CHOICES}", **edges)
+            fill(stress, low, high, color=colour, alpha=0.35, lw=0.0, label=band)
         at = (rows[name], stress) if across else (stress, rows[name])
         line = {"color": colour, "label": label, "zorder": order, "lw": width}
         axes.plot(*at, BRANCH_LINES[branch], **line)
@@ -194,7 +204,7 @@ def engineering_figure(
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> Figure:
-    """Draw closure and its laws, net stiffness, aperture and flow, with bands if known."""
+    """Draw closure and its laws, tangent stiffness, aperture and flow, with bands if known."""
     curves = stress_table(joint) if curves is None else curves
     has_flow = history_of(joint).has_flow
     shape, size = ((2, 2), (10.4, 9.2)) if has_flow else ((1, 3), (13.5, 5.4))
@@ -204,7 +214,7 @@ def engineering_figure(
     panels = panels.ravel()
     _draw_closure(panels[0], joint, curves, laws)
     draw_stiffness(panels[1], curves)
-    panels[1].set_title("normal stiffness")
+    panels[1].set_title("tangent stiffness")
     _draw_along(panels[2], curves, "mean_aperture_mm")
     panels[2].set(title="mean aperture", ylim=(0.0, None))
     if has_flow:

@@ -8,9 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
+from jointclosure.statistics.standard_errors import percent
 from jointclosure.walls.measures import increments
 from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
@@ -23,10 +25,13 @@ FIRST_TOUCH: dict[str, Any] = {
 }
 """Circle about the first contact on a map: white in black, which is seen on all colours."""
 
+HOLES = "0.4"
+"""Colour of cells without a height, a grey that no map of heights or apertures has."""
+
 
 def draw_field(axes: Axes, field: np.ndarray, spacing: float, **style: Any) -> AxesImage:
-    """Draw a map of a field (y, x) on a grid of a spacing [m]."""
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    """Draw a map of a field (y, x) on a grid of a spacing [m]; where it is NaN there is a hole."""
+    axes.set(xlabel="x (mm)", ylabel="y (mm)", facecolor=HOLES)
     height, width = (1e3 * cells * spacing for cells in field.shape)
     return axes.imshow(field, origin="lower", extent=(0.0, width, 0.0, height), **style)
 
@@ -44,17 +49,20 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2), title=title)
     panels = grid.ravel()
     reach = max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
-    walls = {"upper": -pair.upper, "lower": pair.lower}  # z upwards: mated walls look equal
+    upper, lower, aperture = (
+        np.where(pair.holes, np.nan, field) for field in (pair.upper, pair.lower, pair.aperture)
+    )
+    walls = {"upper": -upper, "lower": lower}  # z upwards: mated walls look equal
     for axes, (side, heights) in zip(panels, walls.items(), strict=False):
         _add_bar(axes, draw_heights(axes, heights, pair.spacing, reach), "height (mm)")
         axes.set_title(f"{side} wall, seen from above")
-    limits = {"vmin": 0.0, "vmax": 1e3 * np.percentile(pair.aperture, 99.0)}
-    image = draw_field(panels[2], 1e3 * pair.aperture, pair.spacing, cmap="viridis", **limits)
+    limits = {"vmin": 0.0, "vmax": 1e3 * np.nanpercentile(aperture, 99.0)}
+    image = draw_field(panels[2], 1e3 * aperture, pair.spacing, cmap="viridis", **limits)
     _add_bar(panels[2], image, "aperture (mm)", "max")
     y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
     panels[2].plot(x, y, "o", ms=11, **FIRST_TOUCH)
     panels[2].set_title("aperture at first touch (in the circle)")
-    draw_section(panels[3], pair.upper, pair.lower, pair.spacing)
+    draw_section(panels[3], pair.upper, pair.lower, pair.spacing, pair.holes)
     panels[3].legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     if pair.fits:
         _draw_mating(panels[4], pair)
@@ -70,7 +78,15 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
         axes.set(xlabel=f"correlation of slopes\n({needed})")
     for axes in panels[3:]:
         sns.despine(ax=axes)
+    _name_holes(figure, pair.holes, "hole of a scan, taken out of contact")
     return figure
+
+
+def _name_holes(figure: Figure, holes: np.ndarray, words: str) -> None:
+    """Add a legend for the colour of holes (y, x), with their share, if there are any."""
+    if holes.any():
+        patch = Patch(facecolor=HOLES, label=f"{words} ({percent(holes.mean())} of the cells)")
+        figure.legend(handles=[patch], loc="outside lower center", frameon=False)
 
 
 def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") -> None:
@@ -81,12 +97,19 @@ def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") 
     )
 
 
-def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-    """Draw walls (y, x) [m] at first touch, along x through it, with the gap shaded."""
+def draw_section(
+    axes, upper: np.ndarray, lower: np.ndarray, spacing: float, holes: np.ndarray | None = None
+) -> None:
+    """Draw walls (y, x) [m] at first touch, along x through it, with the gap shaded.
+
+    In cells of ``holes`` (y, x) nothing is drawn.
+    """
     aperture = float((upper + lower).max()) - upper - lower
     row, column = np.unravel_index(int(aperture.argmin()), aperture.shape)
     below = 1e3 * lower[row]
     over = below + 1e3 * aperture[row]
+    if holes is not None:
+        below, over = (np.where(holes[row], np.nan, wall) for wall in (below, over))
     x = 1e3 * (np.arange(below.size) + 0.5) * spacing
     axes.fill_between(x, below, over, color="0.85", lw=0.0)
     axes.plot(x, over, color="C0", lw=1.1, label="upper wall")
@@ -141,6 +164,7 @@ def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
     panels[1].legend(frameon=False, fontsize=8, **below)
     _draw_increments(panels[2], *increments(heights, spacing))
     sns.despine(figure)
+    _name_holes(figure, np.isnan(heights), "no height")
     return figure
 
 

@@ -1,5 +1,6 @@
 """Uncertainty budget of a joint: its ranges in tables and sentences."""
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -8,12 +9,13 @@ import pandas as pd
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.laws import BENDS
 from jointclosure.parameters import OF_ROCK, key_of
-from jointclosure.statistics.standard_errors import significant
+from jointclosure.statistics.standard_errors import percent, significant, with_equal_decimals
 from jointclosure.uncertainty.numerical_error import NOT_STABLE, limits_of_error
 from jointclosure.uncertainty.published_joints import measured_range
 from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER
 from jointclosure.uncertainty.results import (
     CLOSURE_NET,
+    FITTED,
     KNI,
     QUANTITIES,
     RESIDUAL_NET,
@@ -24,8 +26,8 @@ from jointclosure.uncertainty.results import (
 from jointclosure.uncertainty.sources import ALL, TITLES
 
 UNDETERMINED = "undetermined"
-"""Text of a largest closure Vm of a loading that hardly bends, and of a share that few joints
-with random values do not distinguish from 0."""
+"""Text of a kni or Vm that a loading does not determine, and of a share that few joints with random
+values do not distinguish from 0."""
 MEASURED = (
     "measured joints (three of granodiorite, E 11 GPa, 122 mm wide): {:.2g} to {:.2g} mm of "
     "closure on the first loading to 10 MPa; a later loading was {:.2g} to {:.2g} times as stiff "
@@ -44,6 +46,11 @@ LEAST_SHARE = 0.005  # of a source that is named: half a percent
 MOVES = 0.1
 """Change of a result by one source alone, over the width of the range, from which a share below
 `LEAST_SHARE` is called undetermined: few random joints do not show what the source does."""
+_WHY_UNDETERMINED = {
+    KNI: "whose loading begins so flat that the fitted kni is less than its standard error",
+    VM: "whose loading hardly bends (Vm is more than "
+    f"{BENDS:g} times the largest closure, or less than its standard error)",
+}
 UNRESOLVED = 0.005
 """Residual closure over the net closure of a cycle, up to which it is the error of the steps."""
 
@@ -132,15 +139,17 @@ class Budget(NamedTuple):
         return [*lines, MEASURED]
 
     def _undetermined(self) -> list[str]:
-        """Describe how many joints have no largest closure Vm, as their loading does not bend."""
+        """Describe how many joints have no constant of a hyperbola, and why."""
         lines = []
-        for cycle, rows in self.results[self.results[KNI].notna()].groupby("cycle"):
-            if absent := int(rows[VM].isna().sum()):
+        for (cycle, rows), name in product(self.results.groupby("cycle"), FITTED):
+            fitted = rows[rows[CLOSURE_NET].notna()]
+            if fitted[list(FITTED)].isna().all(axis=None):  # the loading has no hyperbola
+                continue
+            if absent := int(fitted[name].isna().sum()):
                 lines.append(
-                    f"{QUANTITIES[VM]}, cycle {cycle}: undetermined for {absent} of {len(rows)} "
-                    "variants of the joint, whose loading hardly bends (Vm is more than "
-                    f"{BENDS:g} times the largest closure, or less than its standard error); a "
-                    "range is that of the others"
+                    f"{QUANTITIES[name]}, cycle {cycle}: undetermined for {absent} of "
+                    f"{len(fitted)} variants of the joint, {_WHY_UNDETERMINED[name]}; a range is "
+                    "that of the others"
                 )
         return lines
 
@@ -149,7 +158,7 @@ class Budget(NamedTuple):
         known = self.numerical[self.numerical.quantity == quantity].dropna(subset="error")
         if known.empty:
             return []
-        errors = (f"{100.0 * row.error:.2g} % on cycle {row.cycle}" for row in known.itertuples())
+        errors = (f"{percent(row.error)} on cycle {row.cycle}" for row in known.itertuples())
         lines = [
             f"{QUANTITIES[quantity]}: numerical error at most {', '.join(errors)} (about nine in "
             "ten joints keep such a limit)"
@@ -157,7 +166,7 @@ class Budget(NamedTuple):
         unstable = known[known.scatter > NOT_STABLE]
         if len(unstable):
             scatter = (
-                f"{100.0 * row.scatter:.2g} % on cycle {row.cycle}" for row in unstable.itertuples()
+                f"{percent(row.scatter)} on cycle {row.cycle}" for row in unstable.itertuples()
             )
             lines.append(
                 f"{QUANTITIES[quantity]}: this joint is not stable, as its results with other "
@@ -177,7 +186,7 @@ class Budget(NamedTuple):
             return []
         line = (
             f"{QUANTITIES[quantity]}, cycle {cycle}: that of the walls as registered, with the "
-            f"usual values of all inputs, is {_two_digits(best)}, "
+            f"usual values of all inputs, is {significant(best, 2)}, "
             f"{'smaller' if below < 0.5 else 'larger'} than {100.0 * share:.0f} "
             "% of the results of random inputs"
         )
@@ -207,13 +216,13 @@ class Budget(NamedTuple):
         return table_of(self.ranges.index.unique("cycle"), self.text)
 
     def text(self, cycle: int, quantity: str) -> str:
-        """Format a result of the joint and its range with two digits: "0.18 (0.13 to 0.24)"."""
+        """Format a result of the joint and its range with equal decimals: "0.18 (0.13 to 0.24)"."""
         if not self.modelled(cycle, quantity):
             return NOT_MODELLED
         row = self.ranges.loc[cycle, quantity]
-        if quantity == VM and np.isnan(row.best):
+        if quantity in FITTED and np.isnan(row.best):
             return UNDETERMINED
-        first, low, high = _range_texts(row.best, row.low, row.high)
+        first, low, high = range_texts(row.best, row.low, row.high)
         return f"{first} ({low} to {high})"
 
     def wider_title(self) -> str:
@@ -227,7 +236,7 @@ class Budget(NamedTuple):
             row = self.ranges.loc[cycle, quantity]
             if not self.modelled(cycle, quantity) or np.isnan(row[WIDER].astype(float)).any():
                 return ""
-            return " to ".join(_range_texts(*row[WIDER]))
+            return " to ".join(range_texts(row.best, *row[WIDER])[1:])
 
         return table_of(self.ranges.index.unique("cycle"), text)
 
@@ -280,14 +289,7 @@ class Budget(NamedTuple):
         )
 
 
-def _range_texts(*values: float) -> tuple[str, ...]:
-    """Format numbers with two digits, as "0" below 0.5 % of the difference of the last two."""
-    least = 0.005 * (values[-1] - values[-2])
-    return tuple(_two_digits(0.0 if abs(value) < least else value) for value in values)
-
-
-def _two_digits(value: float) -> str:
-    """Format a number with two significant digits and no exponent."""
-    if not abs(value) > ROUNDING:
-        return "nan" if np.isnan(value) else "0"
-    return significant(value, 2)
+def range_texts(best: float, low: float, high: float, figures: int = 2) -> list[str]:
+    """Format a result and the ends of its range, with equal decimals; 0 is what is rounding."""
+    values = [0.0 if abs(value) <= ROUNDING else value for value in (best, low, high)]
+    return with_equal_decimals(values, figures)

@@ -32,6 +32,7 @@ from jointclosure.joint.status import FLOW_STATUSES, ONLY_BOUNDS
 from jointclosure.joint.tables import ENDS, WIDER, with_transmissivity
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.results import (
+    APERTURE,
     CLOSURE_GROSS,
     CLOSURE_NET,
     CONTACT,
@@ -51,6 +52,7 @@ WIDENED_OTHERS = 1.25
 """The same for all other results. Without it 79 to 86 % of the closures, stiffnesses and Vm of the
 first cycle were in their ranges (43 pairs, seeds 3000 to 3053), and 83 % of the results of second
 cycles (34 pairs, seeds 2000 to 2042)."""
+_SAME = 1e-6  # relative difference of two numbers that are one result
 NUMBERS = ["best", *ENDS, *WIDER]
 """Columns of `Budget.ranges` other than shares of sources."""
 
@@ -182,6 +184,8 @@ _LIMIT_OF_BAND = {
     "normal_stiffness_net_MPa_per_mm": STIFFNESS,
 }
 """Result whose numerical error a band contains at each stress, by column of `stress_table`."""
+_AT_MAXIMUM = {"closure_net_since_seating_mm": CLOSURE_NET, "mean_aperture_mm": APERTURE}
+"""Result that a curve has at the maximum stress of its cycle, by column of `stress_table`."""
 
 
 def bands_of(
@@ -190,10 +194,13 @@ def bands_of(
     shares: np.ndarray,
     further: np.ndarray,
     limits: Mapping[tuple[int, str], float] = {},
+    ranges: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """Compute `Budget.curves` from `stress_table` of all variants; arguments as for `ranges_of`.
 
-    If any source is a choice of the model, there are also the bands with these (`WIDER`).
+    If any source is a choice of the model, there are also the bands with these (`WIDER`). With the
+    ``ranges`` of the results (`ranges_of`) a band ends in the range of the result that its curve
+    has at the maximum stress of the cycle, so that this result has one range.
     """
     with_choices = any(not of.varied and of.kind != SHARED for of in sources.values())
     ends = [*ENDS, *WIDER] if with_choices else ENDS
@@ -226,7 +233,7 @@ def bands_of(
     for name in shown:
         rises = CURVES[name][1]
         columns = [f"{name}_{end}" for end in ends]
-        for _, rows in bands.groupby(places[:2]):
+        for (cycle, _), rows in bands.groupby(places[:2]):
             known = rows[[name, *columns]].dropna()
             if known.empty:
                 continue
@@ -237,6 +244,13 @@ def bands_of(
                 smooth[:2] = np.minimum(smooth[0], joint), np.maximum(smooth[1], joint)
             if with_choices:  # the wider band contains the other one
                 smooth[2:] = np.minimum(smooth[0], smooth[2]), np.maximum(smooth[1], smooth[3])
+            if ranges is not None and name in _AT_MAXIMUM:
+                result = ranges.loc[(cycle, _AT_MAXIMUM[name])]
+                if np.isclose(joint[-1], result["best"], rtol=_SAME):  # the maximum was reached
+                    limit = np.minimum if rises else np.maximum  # no curve goes beyond its end
+                    smooth = [limit(end, result[of]) for end, of in zip(smooth, ends, strict=True)]
+                    for end, of in zip(smooth, ends, strict=True):
+                        end[-1] = result[of]
             bands.loc[known.index, columns] = np.transpose(smooth)
     return with_transmissivity(bands)
 

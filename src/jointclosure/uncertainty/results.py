@@ -17,6 +17,7 @@ CONTACT = "contact_at_max"
 STIFFNESS = "stiffness_net_MPa_per_mm"
 KNI = "kni_net_MPa_per_mm"
 VM = "vm_net_mm"
+FITTED = KNI, VM  # constants of the hyperbola of loading
 APERTURE = "mean_aperture_at_max_mm"
 QUANTITIES = {
     column: HEADINGS[column]

@@ -32,6 +32,7 @@ from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import RESOLVED, check_choices
+from jointclosure.statistics.standard_errors import percent
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
@@ -323,7 +324,7 @@ def _force_in_holes(pair: RegisteredPair, history: xr.Dataset) -> list[str]:
         return []
     highest = history.snapshot_stress.values.argmax()
     force = history.snapshot_force.values[highest]
-    share = 100.0 * force[pair.holes].sum() / force.sum()
+    share = force[pair.holes].sum() / force.sum()
     stress = 1e-6 * float(history.snapshot_stress[highest])
-    words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
+    words = f"holes of a scan carry {percent(share)} of the force at {stress:g} MPa"
     return [caution(words) if share > 0.0 else words]

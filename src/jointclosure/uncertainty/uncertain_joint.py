@@ -35,7 +35,6 @@ from jointclosure.uncertainty.variants import (
 from jointclosure.walls.scan_errors import ScanErrors
 
 FURTHER = 10_000  # further joints with random values whose results are estimated for the range
-FEWER = 10  # every so many of them are used for bands of curves
 CELLS = 2_000_000  # of all joints that are simulated at the same time; each cell takes 1 kB
 
 
@@ -132,8 +131,8 @@ def uncertainty_budget(
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
     numerical = numerical_errors_of(results, largest_jump(closed))
     limits = limits_of_error(numerical)
-    bands = bands_of(pd.concat(curves), sources, shares, further[::FEWER], limits)
     ranges = ranges_of(results, sources, shares, further, limits)
+    bands = bands_of(pd.concat(curves), sources, shares, further, limits, ranges)
     return Budget(results, ranges, omitted, bands, _choices(sources), numerical)
 
 

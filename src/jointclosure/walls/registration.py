@@ -8,7 +8,7 @@ import numpy as np
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.statistics.standard_errors import CONFIDENCE
+from jointclosure.statistics.standard_errors import CONFIDENCE, percent
 from jointclosure.walls import Walls, gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
 from jointclosure.walls.levelling import levelled, slopes_of
@@ -739,7 +739,7 @@ def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
     if lost > 0:
         upper, lower = overlap.holes.sum(axis=(1, 2)).tolist()
         doubts.append(
-            f"{lost} of {size} cells ({100.0 * lost / size:.2g} %) lie in holes of a scan "
+            f"{lost} of {size} cells ({percent(lost / size)}) lie in holes of a scan "
             f"({upper} of the upper, {lower} of the lower); they were taken out of contact, with "
             "the largest aperture of those around them"
         )

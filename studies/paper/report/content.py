@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.report import Picture, provenance_rows
+from jointclosure.cli.report import Picture, provenance_rows, size_text
 from jointclosure.execution.progress import duration
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.standard_errors import (
@@ -67,6 +67,7 @@ def content(material: Material) -> dict:
     keys = json.loads(study.attrs["configuration"])
     configuration = resolved(keys)
     titles = configuration.titles
+    grid = configuration.grid
     of_paper = set(titles) & set(material.paper.rock)
     rows = setting_rows(keys, material.default, material.schema)
     numbers = summary_frame(study, known["max_closure"], titles)
@@ -77,6 +78,7 @@ def content(material: Material) -> dict:
         "headline": headline(known.get("elasticities")),
         "configuration": configuration,
         "rocks": configuration.rocks,
+        "joint_size": size_text((grid.cells_y, grid.cells_x), grid.spacing),
         "cases": study.sizes["case"],
         "outcome": outcome(study, titles),
         "assessed": of_assessment,
@@ -247,7 +249,7 @@ def _verdicts(claims: pd.DataFrame) -> dict[str, int]:
 def summary_frame(
     study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]
 ) -> pd.DataFrame:
-    """Tabulate closure, residual share and net normal stiffness of each rock's base case.
+    """Tabulate closure, residual share and net chord stiffness of each rock's base case.
 
     Columns with the suffix `HALF_WIDTH` have half of the 95 % interval of the number before them,
     ``Joints (n)`` the number of joints.
@@ -271,7 +273,8 @@ def summary_frame(
         for cycle in of_rock.cycle:
             values = 1e-9 * used.stiffness_net.sel(cycle=cycle).values
             known = int(np.isfinite(values).sum())
-            row |= _with_half_width(f"Net kn, cycle {cycle} (MPa/mm)", harmonic_mean(values), known)
+            title = f"Net chord stiffness, cycle {cycle} (MPa/mm)"
+            row |= _with_half_width(title, harmonic_mean(values), known)
         rows.append(row)
     return pd.DataFrame(rows)
 

@@ -14,7 +14,13 @@ from jointclosure.assessment.assess import ASSESSED, JUDGED
 from jointclosure.assessment.effect_names import effects_title
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES, scene_of
-from jointclosure.statistics.standard_errors import ABSENT, number_text, percent, rounded
+from jointclosure.statistics.standard_errors import (
+    ABSENT,
+    number_text,
+    percent,
+    rounded,
+    with_equal_decimals,
+)
 from studies.frame.tables import in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
@@ -213,7 +219,8 @@ def with_limits(row: pd.Series, name: str) -> str:
         return TOO_FEW
     if pd.isna(value) or not np.isfinite([low, high]).all():
         return number_text(value, 2)
-    return f"{number_text(value, 2)} ({number_text(low, 2)} to {number_text(high, 2)})"
+    shown = with_equal_decimals([value, low, high])
+    return f"{shown[0]} ({shown[1]} to {shown[2]})"
 
 
 def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:

@@ -7,6 +7,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.statistics.standard_errors import percent
 from jointclosure.walls.gridding import Cloud, gaps
 from jointclosure.walls.outliers import patches, strays, unique_places
 from jointclosure.walls.scan_quality import step_of
@@ -187,14 +188,14 @@ def _irregularity_cautions(
     if off := int((~on & np.isfinite(points[:, 2])).sum()):
         remarks.append(
             f"{off} of {len(points)} points lie off the nodes of the points' grid, by more than "
-            f"{100 * allowed:.2g} % of its step, and were left out"
+            f"{percent(allowed)} of its step, and were left out"
         )
     offsets = np.abs([x.offset[on], y.offset[on]])
     if offsets.max() > LARGEST_OFFSET:
         moved = float(np.sqrt(np.mean(np.sum(offsets**2, axis=0))))
         remarks.append(
-            f"points were moved to the nodes of their grid, by an rms {100 * moved:.2g} % of its "
-            f"step; for H = 0.8 this changes heights by {100 * moved**0.8:.2g} % of the rms "
+            f"points were moved to the nodes of their grid, by an rms {percent(moved)} of its "
+            f"step; for H = 0.8 this changes heights by {percent(moved**0.8)} of the rms "
             "difference of neighbours"
         )
     return tuple(map(caution, remarks))
@@ -206,7 +207,7 @@ def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     inside = int(gaps(occupied).sum())
     if inside <= MOST_AMBIGUOUS * occupied.size:
         return (f"{empty} of {occupied.size} heights are missing",) if empty else ()
-    share = f"{inside} of {occupied.size} heights ({100 * inside / occupied.size:.2g} %)"
+    share = f"{inside} of {occupied.size} heights ({percent(inside / occupied.size)})"
     return (caution(f"{share} are missing inside the wall; the file may be incomplete"),)
 
 

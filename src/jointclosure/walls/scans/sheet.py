@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
+from jointclosure.statistics.standard_errors import percent
 from jointclosure.walls.scan_quality import step_of
 
 _SAMPLE = 2000  # most points whose neighbours are compared
@@ -100,7 +101,7 @@ def check_sheet(points: np.ndarray) -> None:
     over = beside & (np.abs(seen.heights[:, 1:] - seen.heights[:, :1]) > _FAR * tall)
     if (share := float(over.any(axis=1).mean())) > _STEEP_SHARE:
         raise InputError(
-            f"{100.0 * share:.2g} % of the points have another one far above or below them, as on "
+            f"{percent(share)} of the points have another one far above or below them, as on "
             f"the faces of a block: {TWO_WALLS}"
         )
 
