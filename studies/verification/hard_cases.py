@@ -27,7 +27,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import kernels_of, prepare_kernels
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
@@ -179,8 +179,7 @@ def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
 def _run(frozen: str) -> CaseOutcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
-        for kernel in kernels_of([_model(case)]):
-            compile_kernels(*kernel)
+        prepare_kernels([_model(case)])
     setting = _setting(case)
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))

@@ -117,10 +117,17 @@ def test_the_number_of_kernels_is_known_once_all_are_compiled(tmp_path, monkeypa
     assert compilation.stored_kernels() == (3, None)
     compilation.store_number_of_kernels()
     assert compilation.stored_kernels() == (3, 3)
+    assert not compilation.all_are_shipped()
+    (shipped / cache.name / "number_of_kernels").write_text("3\n")
+    assert not compilation.all_are_shipped()
+    (shipped / cache.name / "solvers" / "c.nbi").touch()
+    assert compilation.all_are_shipped()
+    (shipped / cache.name / "solvers" / "c.nbi").unlink()
     (cache / "solvers" / "c.nbi").unlink()
     assert compilation.stored_kernels() == (2, 3)
     monkeypatch.setattr(compilation, "FEATURES", {"+none"})  # shipped code cannot be run
     assert compilation.stored_kernels() == (1, 3)
+    assert not compilation.all_are_shipped()
 
 
 LOADED = """

@@ -31,7 +31,7 @@ from jointclosure.joint.conditions import (
 )
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import digest, read_csv
@@ -534,8 +534,8 @@ def closures_of(
         )
         for name, joint, copy in missing
     ]
-    for kernel in kernels_of({variants[name].model for name, *_ in missing}):
-        compile_kernels(*kernel)  # before processes need them, and no part of a measured time
+    # before processes need them, and no part of a measured time
+    prepare_kernels({variants[name].model for name, *_ in missing}, processes)
     for done, (at, row) in enumerate(shared(simulate_row, asked, processes), start=1):
         name = missing[at][0]
         key = keys[missing[at]]

@@ -27,7 +27,7 @@ from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.inputs import check_below, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import warn_of_doubts
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
 from jointclosure.statistics.standard_errors import percent
 from jointclosure.walls import Walls
@@ -160,8 +160,7 @@ class Pilot:
             steps = self.longer * float(full[0].closed.breakage_steps) / walls[0].size
             most = max(1.0, min(steps, stated.numerics.most_breakage_steps))
             stated = stated._replace(numerics=stated.numerics._replace(most_breakage_steps=most))
-        for kernel in kernels_of([stated.model]):  # no part of the time of the first joint
-            compile_kernels(*kernel)
+        prepare_kernels([stated.model])  # no part of the time of the first joint
         return simulated_joint(walls, stated)
 
     def predicted(self, fewer: Effects) -> Change:

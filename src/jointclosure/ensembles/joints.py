@@ -18,7 +18,7 @@ from jointclosure.joint.conditions import Changes, Conditions, conditions_from, 
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.walls import CrushedWalls, Walls
 from jointclosure.walls.plausibility import doubts
 
@@ -188,8 +188,7 @@ def _rows(
 
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
     if workers > 1 and valid:  # before processes need them, which would each compile them
-        for kernel in kernels_of([reading.conditions.model]):
-            compile_kernels(*kernel)
+        prepare_kernels([reading.conditions.model], workers)
     with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
         simulate(valid, workers, show)
         if lost := failed(ProcessLostError):

@@ -18,7 +18,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.measured.agreement import quantities
 from jointclosure.measured.calibration import (
     CURVE_POINTS,
@@ -128,11 +128,10 @@ class Joints(NamedTuple):
                 file = f"wavelength_{i}_strength_{j}_surface_{k}_{steps}"
                 scans = {"scans": asked.scans}
                 entries.append(Entry(file, simulate_surface, arguments, scans))
-        (kernel,) = kernels_of([conditions.model])
         workers = number_of_workers(self.workers)
 
         def prepare() -> None:
-            compile_kernels(*kernel)
+            prepare_kernels([conditions.model], 1 if foresee else workers)
             if foresee:
                 self.report(self._forecast(len(places) * len(self.strengths), workers))
 
