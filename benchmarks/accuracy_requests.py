@@ -20,7 +20,7 @@ from effects_auto import SPACING, continued, options, scene, write_summary
 
 import jointclosure as jc
 from jointclosure.assessment.assess import FINEST, JUDGED
-from jointclosure.ensembles.joints import Reading, Row, simulate_row, stacked
+from jointclosure.ensembles.simulation import Reading, Row, simulate_row, stacked
 from jointclosure.statistics.randomness import seed_of
 from studies.frame.keys import Accuracy
 from studies.paper.accuracy import START, Counts, next_counts, reached_table

@@ -29,7 +29,7 @@ import scipy
 from effects_auto import SPACING, scene
 
 import jointclosure as jc
-from jointclosure.ensembles.joints import Reading, simulate_row
+from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
@@ -37,8 +37,8 @@ from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.numerical_error import (
     NOT_STABLE,
-    numerical_error,
     log_scatter,
+    numerical_error,
 )
 from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
 from jointclosure.uncertainty.sources import coarser

@@ -5,7 +5,7 @@ import pandas as pd
 
 import jointclosure as jc
 from jointclosure.assessment.assess import COPIES, JUDGED, LADDER
-from studies.assessment.larger import BaseCondition, base_conditions
+from studies.assessment.larger_assessment import BaseCondition, base_conditions
 from studies.assessment.study import (
     EXPERIMENT,
     draw_assessment_effects,
@@ -15,8 +15,8 @@ from studies.assessment.study import (
     tabulate_assessment,
 )
 from studies.conftest import points_of, tables_of
-from studies.frame.closing import close_points
 from studies.frame.settings import walls_of
+from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
 from tests.studied import ROOT, study_of, tiny

@@ -18,7 +18,7 @@ from pydantic_core import core_schema
 
 from jointclosure.parameters import PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
 from jointclosure.parameters.units import bounds_of, documented, name_and_unit, to_si
-from jointclosure.walls.roughness import RELATIONS
+from jointclosure.walls.jrc import RELATIONS
 from jointclosure.walls.synthesis import RULES
 from studies.frame.yaml_files import refuse, short
 

@@ -4,16 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.ensembles import joints as closing
+from jointclosure.ensembles import simulation
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.inputs import InputError
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.conftest import points_of
-from studies.frame.closing import close_points
 from studies.frame.pilots import described_time, estimate_time, tried
 from studies.frame.points import experiment_named
 from studies.frame.settings import joints_of
+from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
 from tests.studied import study_of
 
@@ -91,7 +91,7 @@ def test_a_joint_that_failed_is_kept_with_its_status_alone(points, monkeypatch):
         closed["status"] = closed.status + 128
         return closed
 
-    monkeypatch.setattr(closing, "simulate_walls", failing)
+    monkeypatch.setattr(simulation, "simulate_walls", failing)
     rows = as_table([close_points(points[:1], ("max_closure",))])
     assert len(rows) == 4
     assert (rows.status >= 128).all()

@@ -9,13 +9,13 @@ import jointclosure as jc
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.gridding import Scan
-from studies.frame import closing
+from studies.frame import simulation
 from studies.frame.cases import cases_of
-from studies.frame.closing import close_joints, under_chosen
 from studies.frame.pilots import choose_effects, examined
 from studies.frame.points import case_point
+from studies.frame.scanned_walls import cut_walls, prepared_walls
 from studies.frame.settings import walls_of
-from studies.frame.walls import cut_walls, prepared_walls
+from studies.frame.simulation import close_joints, under_chosen
 from tests.joints import SPACING
 from tests.studied import study_of
 
@@ -93,8 +93,10 @@ def test_joints_of_a_pilot_are_taken_instead_of_closed_again(
     assert (under.settings.conditions.effects == jc.Effects()) is (tolerance < 0.5)
     plain = close_joints(under, walls, NAMES)
     closed = []
-    close = closing.simulate_row
-    monkeypatch.setattr(closing, "simulate_row", lambda *given: closed.append(1) or close(*given))
+    close = simulation.simulate_row
+    monkeypatch.setattr(
+        simulation, "simulate_row", lambda *given: closed.append(1) or close(*given)
+    )
     taken = close_joints(under, walls, NAMES, closed=known)
     assert len(closed) == 4 - pilot.sizes["joint"] < 4
     assert taken.drop_vars(TIMES).identical(plain.drop_vars(TIMES))

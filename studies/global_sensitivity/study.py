@@ -19,14 +19,14 @@ from studies.global_sensitivity.design import (
     sampling_of,
     settings_of_rock,
 )
-from studies.global_sensitivity.table import (
+from studies.global_sensitivity.tables import (
     QUANTITIES,
     by_rock,
     conclusion_tables,
     elasticity_table,
     index_table,
 )
-from studies.paper.layout import figure_text
+from studies.paper.tables_1_to_3 import figure_text
 
 
 def global_sensitivity_jobs(study: Configuration) -> Jobs:

@@ -7,11 +7,11 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.parameters.units import to_si
 from studies.frame.cases import base_case, block_settings
-from studies.frame.closing import close_points
 from studies.frame.configuration import configured, merged
+from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
-from studies.global_sensitivity import table as sensitivity
+from studies.global_sensitivity import tables as sensitivity
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from tests.studied import ROOT, study_of, tiny
 

@@ -16,7 +16,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.ensembles.joints import simulated_joint
+from jointclosure.ensembles.simulation import simulated_joint
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots, ticks_at
 from jointclosure.walls import CrushedWalls, shifted

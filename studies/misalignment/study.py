@@ -16,7 +16,8 @@ from jointclosure.ensembles.quantities import QUANTITIES, titles_of_cycles
 from jointclosure.inputs import InputError
 from jointclosure.statistics.standard_errors import ratio_of_means
 from jointclosure.walls import Walls
-from jointclosure.walls.roughness import detrended, z2_of_jrc
+from jointclosure.walls.jrc import z2_of_jrc
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.synthesis import (
     Spectrum,
     gaussian_field,

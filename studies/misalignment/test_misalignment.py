@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 from jointclosure.inputs import InputError
-from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import rms_slope, z2_of_jrc
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.synthesis import spectrum_of, wall_pair
 from studies.frame.settings import seeds_of
 from studies.frame.tables import gridded

@@ -24,13 +24,13 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.parameters.units import in_unit
 from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots, ticks_at
 from jointclosure.plotting.walls import FIRST_TOUCH, draw_field
-from jointclosure.statistics.standard_errors import percent
+from jointclosure.statistics.number_texts import percent
 from studies.frame.panels import key, keys_of, legend_below, point_key
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, succeeded
-from studies.paper.closures import CHANGE, FIT_COLUMNS, best_fits
-from studies.paper.histories import simulate_again
-from studies.paper.layout import UNPAIRED_TEST, figure_text, roughness_title, test_name
+from studies.paper.closure_tables import CHANGE, FIT_COLUMNS, best_fits
+from studies.paper.simulated_again import simulate_again
+from studies.paper.tables_1_to_3 import UNPAIRED_TEST, figure_text, roughness_title, test_name
 
 MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first are drawn."""
@@ -44,7 +44,7 @@ _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
 
 
 class Measurements(NamedTuple):
-    """Measured curves by rock, and the fits of `studies.paper.closures.fit_table`."""
+    """Measured curves by rock, and the fits of `studies.paper.closure_tables.fit_table`."""
 
     curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
     fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)

@@ -14,7 +14,7 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.paper.claims import TARGET
-from studies.paper.closures import UNPAIRED
+from studies.paper.closure_tables import UNPAIRED
 from studies.paper.responses import RockSample, percent_of, rock_sample, rocks_of, sensitivities
 
 Entry = tuple[str, str, int]

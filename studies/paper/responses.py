@@ -21,7 +21,8 @@ from jointclosure.statistics.indifference import (
 )
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.repetitions import Pool, Sensitivity
-from jointclosure.walls.roughness import bearing_depths, z2_of_jrc
+from jointclosure.walls.bearing_area import bearing_depths
+from jointclosure.walls.jrc import z2_of_jrc
 from studies.frame.checked_files import read_checked
 from studies.frame.settings import BASE, JointGrid, Synthesis, walls_of_seed
 from studies.frame.tables import succeeded

@@ -14,11 +14,11 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import PROPERTIES
 from jointclosure.plotting.style import subplots
+from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.repetitions import Design
-from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.walls.roughness import z2_of_jrc
+from jointclosure.walls.jrc import z2_of_jrc
 from studies.frame.cases import block_settings, cases_of, joint_grid, pool_of, synthesis
 from studies.frame.configuration import merged, model, resolved
 from studies.frame.keys import json_schema
@@ -27,8 +27,12 @@ from studies.frame.tables import since_seating
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper import figures as plotting
 from studies.paper import responses as measured
-from studies.paper.closures import indifference_table, max_closure_table
-from studies.paper.layout import (
+from studies.paper.closure_tables import indifference_table, max_closure_table
+from studies.paper.predictive import lengths_dataset, predictive
+from studies.paper.report import content as report
+from studies.paper.report.page import sheet
+from studies.paper.responses import Covariates, known_covariates, measure_covariates
+from studies.paper.tables_1_to_3 import (
     case_table,
     closure_lines,
     figure_text,
@@ -39,10 +43,6 @@ from studies.paper.layout import (
     table_3_markdown,
     with_paper,
 )
-from studies.paper.predictive import lengths_dataset, predictive
-from studies.paper.report import content as report
-from studies.paper.report.page import sheet
-from studies.paper.responses import Covariates, known_covariates, measure_covariates
 from studies.paper.test_measured_fit import study as three_surfaces
 from tests.studied import DEFAULT, ROOT, keys_of, study_of
 from tests.world import world

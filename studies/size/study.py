@@ -18,9 +18,11 @@ from matplotlib.figure import Figure
 from jointclosure.ensembles.quantities import COLUMNS, titles_of_cycles
 from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.status import FAILURE
-from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of
 from jointclosure.walls import Walls
-from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import rms_slope, z2_of_jrc
+from jointclosure.walls.planes import detrended
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.keys import Grid

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.joint.laws import barton_bandis
-from jointclosure.walls.roughness import rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import rms_slope, z2_of_jrc
 from studies.size import study as scale
 from tests.studied import study_of, tiny
 

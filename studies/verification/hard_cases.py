@@ -35,8 +35,9 @@ from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.uncertainty.variants import COPIES
 from studies.frame.keys import validated
 from studies.frame.yaml_files import merged
-from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
-from studies.verification.judged import Judge, JudgedSolver
+from studies.verification.hard_case_keys import HardCasesKeys, case_keys
+from studies.verification.hard_walls import hard_walls
+from studies.verification.judged_solver import Judge, JudgedSolver
 
 _LENGTHS = ("displacement_step", "breakage_step")
 

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.ensembles import joints
-from jointclosure.ensembles.joints import NOT_SIMULATED
+from jointclosure.ensembles import simulation
+from jointclosure.ensembles.simulation import NOT_SIMULATED
 from jointclosure.execution.workers import in_threads
 from jointclosure.joint import warmup
 from jointclosure.joint.conditions import Conditions
@@ -62,10 +62,10 @@ def test_a_joint_that_cannot_be_closed_loses_no_other(alone):
 @pytest.mark.parametrize("shipped", [False, True])
 def test_kernels_that_are_not_shipped_are_compiled_before_several_processes(shipped, monkeypatch):
     calls = []
-    share = joints.shared
+    share = simulation.shared
     monkeypatch.setattr(warmup, "all_are_shipped", lambda: shipped)
     monkeypatch.setattr(warmup, "compile_kernels", lambda *kernel: calls.append(kernel))
-    monkeypatch.setattr(joints, "shared", lambda *task: calls.append("shared") or share(*task))
+    monkeypatch.setattr(simulation, "shared", lambda *task: calls.append("shared") or share(*task))
     jc.simulate_ensemble(rule, seeds=[3, 5], workers=2, **LOAD)
     kernels = (scene_name(jc.Effects()), "pristine", "base", "fast", "fixed_step")
     assert calls == (["shared"] if shipped else [kernels, "shared"])
@@ -143,7 +143,7 @@ def after_a_kill(tmp_path_factory):
     killing = functools.partial(kill_worker_once, marker=marker)
     again = pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]")
     with pytest.MonkeyPatch.context() as patch, again as warned:
-        patch.setattr(joints, "simulate_row", killing)
+        patch.setattr(simulation, "simulate_row", killing)
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1
     assert marker.exists()

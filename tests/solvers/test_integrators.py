@@ -6,7 +6,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.status import LOADING, UNLOADING

@@ -7,9 +7,9 @@ import shutil
 import pytest
 
 import jointclosure as jc
+from jointclosure.compilation import code_digests
 from jointclosure.compilation import kernels as compilation
-from jointclosure.compilation import sources
-from jointclosure.compilation.sources import PACKAGE
+from jointclosure.compilation.code_digests import PACKAGE
 from jointclosure.solvers.breakage import breakage_kernel
 from jointclosure.solvers.reference import reference_kernel
 from tests.processes import python
@@ -17,7 +17,7 @@ from tests.solvers.test_effects_cost_nothing import closed
 
 
 def test_the_cache_folder_is_named_by_the_code_of_the_kernels():
-    code = sources.code_digest(*compilation.KERNEL_PARTS, titles=False)
+    code = code_digests.code_digest(*compilation.KERNEL_PARTS, titles=False)
     assert compilation.cache_folder().name.startswith(f"numba-{code}-")
 
 

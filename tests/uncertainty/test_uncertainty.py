@@ -20,8 +20,8 @@ from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty import ranges as ranges_module
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.numerical_error import (
-    numerical_error,
     log_scatter,
+    numerical_error,
     numerical_errors_of,
 )
 from jointclosure.uncertainty.ranges import (
@@ -769,7 +769,9 @@ def errors_of_copies():
 
 
 def test_the_error_compares_the_joint_with_other_steps_and_all_copies(errors_of_copies):
-    assert errors_of_copies.error == numerical_error(log_scatter([1.0, *CHANGED]), 0.02, CLOSURE_NET, 1)
+    assert errors_of_copies.error == numerical_error(
+        log_scatter([1.0, *CHANGED]), 0.02, CLOSURE_NET, 1
+    )
 
 
 def test_the_scatter_is_that_of_the_joint_and_all_copies(errors_of_copies):

@@ -15,12 +15,12 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
 from jointclosure.walls import motion, registration, wall_files
-from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, point_distance, points_of
+from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
 from jointclosure.walls.motion import Fit, Motion
 from jointclosure.walls.outliers import patches, remove_plateaus, remove_spikes, spikes
 from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import ORIENTATIONS, _BestFit, _check_found, registered
-from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.wall_files import check_cells, registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
@@ -161,7 +161,7 @@ def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls():
 
 @pytest.mark.parametrize(("distance", "cell"), [(5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)])
 def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans(distance, cell):
-    assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
+    assert usual_grid_spacing(distance) == pytest.approx(cell, rel=1e-12)
 
 
 def test_a_joint_has_the_spacing_that_is_stated():

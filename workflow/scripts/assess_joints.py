@@ -5,8 +5,8 @@ from itertools import islice
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.closing import close_points
 from studies.frame.settings import walls_in
+from studies.frame.simulation import close_points
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":

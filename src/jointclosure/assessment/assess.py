@@ -19,8 +19,8 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.assessment.effect_names import lacks_effects, without
-from jointclosure.compilation.sources import code_digest
-from jointclosure.ensembles.joints import Reading, simulate_row
+from jointclosure.compilation.code_digests import code_digest
+from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.execution.workers import Failed, number_of_workers, shared
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
@@ -29,8 +29,8 @@ from jointclosure.joint.conditions import (
     conditions_from,
     takes_scans,
 )
-from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
+from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
@@ -523,7 +523,7 @@ def closures_of(
         if line.endswith("}}"):  # another one was cut off
             entry = json.loads(line)
             kept[entry["key"]] = entry["row"]
-    code = code_digest("jointclosure.ensembles.joints:simulate_row")
+    code = code_digest("jointclosure.ensembles.simulation:simulate_row")
     walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
     keys = {(v, j, copy): digest(code, walls[j], copy, variants[v]) for v, j, copy in tasks}
     missing = [task for task in tasks if keys[task] not in kept]

@@ -11,7 +11,7 @@ import xarray as xr
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves

@@ -7,10 +7,11 @@ import numpy as np
 
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.attributes import ATTRIBUTES
-from jointclosure.joint.cycles import hysteresis, largest_jump, loop_between
+from jointclosure.joint.cycle_results import hysteresis, largest_jump, loop_between
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.status import LOADING, unbreakable_share
-from jointclosure.walls.roughness import bearing_depths, rms_slope
+from jointclosure.walls.bearing_area import bearing_depths
+from jointclosure.walls.jrc import rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")

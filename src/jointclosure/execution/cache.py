@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from jointclosure.compilation.sources import code_digest
+from jointclosure.compilation.code_digests import code_digest
 from jointclosure.execution.progress import Countdown
 from jointclosure.execution.workers import Failed, ProcessLostError, shared
 from jointclosure.inputs import InputError

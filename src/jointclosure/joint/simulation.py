@@ -20,17 +20,17 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
-from jointclosure.joint.cycles import unloading_excess
+from jointclosure.joint.cycle_results import unloading_excess
 from jointclosure.joint.feasibility import (
     check_elastic_steps,
     check_feasible,
     joint_strength,
 )
-from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.states import Snapshots, fields_of
+from jointclosure.joint.snapshots import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
+from jointclosure.joint.wall_checks import checked_walls, warn_of_doubts
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,

@@ -81,9 +81,7 @@ def all_kernels() -> list[list[str]]:
     return kernels
 
 
-def prepare_kernels(
-    models: Iterable[tuple[Effects, Choices, Numerics]], workers: int = 1
-) -> None:
+def prepare_kernels(models: Iterable[tuple[Effects, Choices, Numerics]], workers: int = 1) -> None:
     """Compile the kernels of models, or load them, before ``workers`` processes need them.
 
     With several workers this process needs no kernel, and loads none of those that are shipped.

@@ -11,8 +11,10 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.agreement import about_share, intervals
-from jointclosure.measured.calibration import (
+from jointclosure.measured.compared_quantities import about_share, intervals
+from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.measured.joint_arguments import JointKeywords, MeasuredJoint, asked_joints
+from jointclosure.measured.likelihood import (
     Interval,
     Likelihood,
     Readings,
@@ -21,11 +23,9 @@ from jointclosure.measured.calibration import (
     logs_of,
     reading_sentences,
 )
-from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
-from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
+from jointclosure.measured.simulated_joints import ADVICE, Joints, Later, numerical_sentence
 from jointclosure.parameters import RESOLVED, Numerics
-from jointclosure.statistics.standard_errors import percent, significant
+from jointclosure.statistics.number_texts import percent, significant
 
 WAVELENGTHS = 8  # mismatch wavelengths at which joints are simulated
 STRENGTHS = 4  # strengths at which joints are simulated, if they are fitted
@@ -224,7 +224,8 @@ def fit(
     progress : bool
         Whether to print the assumptions before joints are simulated, and to show the progress.
     **joint
-        Fields of `jointclosure.measured.joints.MeasuredJoint`: rock, roughness or scans, size.
+        Fields of `jointclosure.measured.joint_arguments.MeasuredJoint`: rock, roughness or scans,
+        size.
 
     Returns
     -------
@@ -237,7 +238,7 @@ def fit(
 
     Notes
     -----
-    See `jointclosure.measured.calibration`: the likelihood is from the scatter of joints, and
+    See `jointclosure.measured.likelihood`: the likelihood is from the scatter of joints, and
     assumes that the model is right and that rock, roughness and size are known. Closures of the
     model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.History.net`).

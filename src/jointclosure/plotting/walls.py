@@ -11,9 +11,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from jointclosure.walls.measures import increments
 from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.wall_roughness import increments
 
 FIRST_TOUCH: dict[str, Any] = {
     "mfc": "none",

@@ -3,10 +3,10 @@
 Three things show how large the error may be. The joint with other steps, and its copies whose
 results would be equal but for rounding (`uncertainty.variants.COPIES`), scatter with the steps and
 with the order in which asperities break. The largest jump of the joint is the closure in which a
-group of asperities breaks at once, at constant stress (`joint.cycles.largest_jump`): where such a
-group breaks with one tolerance, in all copies, it may not break with a finer one. The third is a
-least error, because joints without jump and scatter have one too. The expected error is the root of
-the sum of their squares, each times a factor, and the limit is a multiple of it.
+group of asperities breaks at once, at constant stress (`joint.cycle_results.largest_jump`): where
+such a group breaks with one tolerance, in all copies, it may not break with a finer one. The third
+is a least error, because joints without jump and scatter have one too. The expected error is the
+root of the sum of their squares, each times a factor, and the limit is a multiple of it.
 
 An error is a factor: the limit x means that the result may be 1 + x times too large or too small.
 
@@ -87,7 +87,7 @@ def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
     results : DataFrame
         As `Budget.results`.
     jump : float
-        Largest jump of the joint, over its closure [1] (`joint.cycles.largest_jump`).
+        Largest jump of the joint, over its closure [1] (`joint.cycle_results.largest_jump`).
 
     Returns
     -------

@@ -40,10 +40,10 @@ from jointclosure.uncertainty.uncertain_joint import (
     uncertain_joint,
     uncertainty_budget,
 )
-from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.wall_files import Wall, registered_walls
+from jointclosure.walls.wall_roughness import joint_jrc
 
 
 class ClosedJoint(NamedTuple):

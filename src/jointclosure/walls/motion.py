@@ -17,7 +17,8 @@ from jointclosure.inputs import InputError
 from jointclosure.walls import gridding
 from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.mating import slope_correlations
-from jointclosure.walls.roughness import plane_through
+from jointclosure.walls.missing_heights import fill_dropouts, fill_with_nearest, in_holes
+from jointclosure.walls.planes import plane_through
 
 # All constants were chosen. With them the errors of 40 pairs of known truth are those that
 # docs/two_scans.md states (`python -m benchmarks.registration`).
@@ -166,10 +167,10 @@ def moved_heights(
     ``slopes`` along x and y are those of the scan's mean plane, with which heights of steep scans
     are found.
     """
-    holes = gridding.holes(np.isfinite(scan.heights))
-    whole = gridding.fill_dropouts(scan.heights, holes)
+    holes = in_holes(np.isfinite(scan.heights))
+    whole = fill_dropouts(scan.heights, holes)
     missing = (~np.isfinite(whole)).astype(float)
-    spline = scipy.ndimage.spline_filter(gridding.nearest_filled(whole))
+    spline = scipy.ndimage.spline_filter(fill_with_nearest(whole))
     first = np.array(scan.origin or (0.0, 0.0))
     steps = np.array(scan.spacing)
     back = motion.rotation[2]  # direction of the new z before the motion

@@ -5,7 +5,7 @@ import scipy
 
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.gridding import Cloud, Scan, points_of
-from jointclosure.walls.roughness import plane_through
+from jointclosure.walls.planes import plane_through
 
 NEIGHBOURS = 8  # nearest points with which the height of a point is compared
 ROUNDS = 4  # most rounds of spike removal: higher spikes hide others

@@ -10,9 +10,10 @@ from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import Walls, gridding, plausibility
-from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
+from jointclosure.walls.gridding import FLAT, Cloud, Scan, point_distance, points_of
 from jointclosure.walls.levelling import levelled, slopes_of
 from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
+from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
@@ -29,7 +30,7 @@ from jointclosure.walls.motion import (
 )
 from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
-from jointclosure.walls.roughness import detrended
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
@@ -220,7 +221,7 @@ def registered(
     stated = prepared.distance if spacing is None else float(spacing)
     if not unusual_values:
         plausibility.check_scans(*prepared.both, stated)
-    spacing = gridding.paper_spacing(prepared.distance) if spacing is None else stated
+    spacing = gridding.usual_grid_spacing(prepared.distance) if spacing is None else stated
     report = list(prepared.remarks)
     waves = _shortest_waves(prepared)
     sampled = _sampled_if_finer(prepared.both, spacing, report)
@@ -661,7 +662,9 @@ def _registered_pair(
     if fit.fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
         holes = overlap.holes.any(axis=0)  # filled by the other wall, which they fit
-        one, other = (filled(np.where(holes, np.nan, w), "linear", 1.0) for w in (upper, lower))
+        one, other = (
+            fill_missing(np.where(holes, np.nan, w), "linear", 1.0) for w in (upper, lower)
+        )
         mismatch = measured_mismatch(one, other, spacing)
         correlations = mating(one, other, spacing)
         report += [

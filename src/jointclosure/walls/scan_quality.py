@@ -16,9 +16,10 @@ import scipy
 from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
-from jointclosure.walls.measures import difference
+from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS
 from jointclosure.walls.outliers import neighbours
-from jointclosure.walls.roughness import DEFAULT_RELATION, RELATIONS, plane_through
+from jointclosure.walls.planes import plane_through
+from jointclosure.walls.wall_roughness import difference
 
 STEEPEST = 3.0
 """Growth of squared third differences, as a power of the distance, from which short waves are

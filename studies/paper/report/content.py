@@ -11,15 +11,13 @@ import xarray as xr
 from jointclosure.cli.report import Picture, provenance_rows
 from jointclosure.execution.progress import duration
 from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics.number_texts import number_text, percent, rounded
 from jointclosure.statistics.standard_errors import (
     Estimate,
     confidence_limits,
     half_width,
     harmonic_mean,
-    number_text,
-    percent,
     ratio_of_means,
-    rounded,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
@@ -32,10 +30,10 @@ from studies.paper.checks import (
     remarked_joints,
 )
 from studies.paper.claims import OURS, TOLERANCE
-from studies.paper.layout import case_title, test_name
-from studies.paper.report.cycles import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
 from studies.paper.report.tables import About, frames_of, with_limits
+from studies.paper.report.verdicts import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
 from studies.paper.requirements import REPORTED
+from studies.paper.tables_1_to_3 import case_title, test_name
 
 STAYS = "Share that remains at seating (%)"
 CLOSES = "Net closure since seating, cycle {cycle} (mm)"

@@ -11,7 +11,7 @@ import pandas as pd
 
 from jointclosure.cli import report
 from jointclosure.ensembles.quantities import HEADINGS
-from jointclosure.statistics.standard_errors import ABSENT, number_text, rounded
+from jointclosure.statistics.number_texts import ABSENT, number_text, rounded
 
 
 class Sheet(NamedTuple):

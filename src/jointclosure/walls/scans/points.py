@@ -7,7 +7,8 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
-from jointclosure.walls.gridding import Cloud, gaps
+from jointclosure.walls.gridding import Cloud
+from jointclosure.walls.missing_heights import in_gaps
 from jointclosure.walls.outliers import patches, strays, unique_places
 from jointclosure.walls.scan_quality import step_of
 from jointclosure.walls.scans.contents import (
@@ -203,7 +204,7 @@ def _irregularity_cautions(
 def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
     empty = int((~occupied).sum())
-    inside = int(gaps(occupied).sum())
+    inside = int(in_gaps(occupied).sum())
     if inside <= MOST_AMBIGUOUS * occupied.size:
         return (f"{empty} of {occupied.size} heights are missing",) if empty else ()
     share = f"{inside} of {occupied.size} heights ({100 * inside / occupied.size:.2g} %)"
