@@ -31,7 +31,7 @@ class Strength(NamedTuple):
     of_joint: float = math.inf
 
 
-def joint_strength(joint: Joint, numerics: Numerics) -> Strength:
+def joint_strength(joint: Joint) -> Strength:
     """Compute the strength of all cells of an intact joint."""
     if not joint.effects.breakage:
         return Strength()
@@ -40,22 +40,21 @@ def joint_strength(joint: Joint, numerics: Numerics) -> Strength:
     if not flattest.all():
         return Strength()
     # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
-    beyond = (1.0 + 0.5 * BAND * numerics.tolerance) ** 1.5
+    beyond = (1.0 + 0.5 * BAND * joint.numerics.tolerance) ** 1.5
     forces = beyond * law.breaking_force[joint.peaks] / flattest**2
     together = float(forces.sum()) / (joint.upper.size * law.spacing**2)
     return Strength(float(forces.max()), together if joint.effects.gouge else math.inf)
 
 
-def check_feasible(
-    joint: Joint, numerics: Numerics, strength: Strength, max_normal_stress: float, cycles: int
-) -> None:
+def check_feasible(joint: Joint, strength: Strength, max_normal_stress: float, cycles: int) -> None:
     """Raise `InputError` for a simulation that would take too many steps.
 
     It needs more displacement steps than `Numerics` allows, or a stress [Pa] above the strength of
     all cells together with resolved breakage, which does not end beyond it. Fixed steps of breakage
     end by their number.
     """
-    steps, closure = displacement_steps(joint, numerics, strength, max_normal_stress, cycles)
+    numerics = joint.numerics
+    steps, closure = displacement_steps(joint, strength, max_normal_stress, cycles)
     if steps > numerics.most_steps:
         least = numerics.displacement_step * steps / numerics.most_steps
         raise InputError(
@@ -104,7 +103,7 @@ def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
 
 
 def displacement_steps(
-    joint: Joint, numerics: Numerics, strength: Strength, max_normal_stress: float, cycles: int
+    joint: Joint, strength: Strength, max_normal_stress: float, cycles: int
 ) -> tuple[float, float]:
     """Estimate the displacement steps of a history and the closure of its first loading [m].
 
@@ -116,6 +115,7 @@ def displacement_steps(
     contacts = joint.contacts(cells, overlap, compliance)
     target = max_normal_stress * joint.upper.size * joint.law.spacing**2
     closure = float(separate_shift(contacts, target)) + reach
+    numerics = joint.numerics
     first = numerics.displacement_step
     if numerics.breakage == "resolved":
         first *= LARGEST_STEP

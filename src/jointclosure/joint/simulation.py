@@ -212,11 +212,11 @@ class Simulation:
             numerics,
             _pristine(pristine, upper.shape, self.datums, choices),
         )
-        self._strength = joint_strength(self.joint, numerics)
+        self._strength = joint_strength(self.joint)
         largest = float(conditions.largest_stress)
         cycles = len(conditions.load)
         if conditions.effects.breakage or self.solver.elastic_curve is None:
-            check_feasible(self.joint, numerics, self._strength, largest, cycles)
+            check_feasible(self.joint, self._strength, largest, cycles)
         else:
             check_elastic_steps(numerics, cycles)
 
@@ -268,9 +268,7 @@ class Simulation:
             observers.append(Snapshots(self.snapshots, tolerance, self.datums))
         forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load]
         seating_force = cast(float, conditions.seating_stress) * area
-        history = protocol.run_cycles(
-            joint, self.solver, joint.numerics, forces, seating_force, report, observers
-        )
+        history = protocol.run_cycles(joint, self.solver, forces, seating_force, report, observers)
         joint.upper += self.datums[0]
         joint.lower += self.datums[1]
         closed = _history_dataset(joint, history, area, conditions)
