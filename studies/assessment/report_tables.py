@@ -244,7 +244,10 @@ def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
 
 
 def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
-    """Return values (n,) whose mean is the ratio of the means of two rows, to the first order."""
+    """Return values (n,) whose mean is the ratio of the means of two rows (n,).
+
+    Their scatter is that of the ratio to first order (delta method).
+    """
     ratio = over.mean() / under.mean()
     return ratio + (over - ratio * under) / under.mean()
 
@@ -255,7 +258,7 @@ def _interval(samples: np.ndarray) -> Interval:
 
 
 def _limit_columns(name: str, interval: Interval) -> dict[str, float]:
-    """Return the columns of the ends of an interval, in percent."""
+    """Return the ends of an interval [%] by the names of their columns."""
     return {f"{name}_low": 100.0 * interval.low, f"{name}_high": 100.0 * interval.high}
 
 

@@ -191,7 +191,7 @@ class Grid(Section):
 
 
 class SurfaceSynthesis(Section):
-    """How walls are made from a JRC."""
+    """Synthesis of random walls from a JRC: spectrum, Hurst exponent, mating and shift."""
 
     hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)
     jrc_relation: Literal[tuple(RELATIONS)] = entry(  # type: ignore[valid-type]

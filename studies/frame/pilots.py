@@ -45,7 +45,7 @@ def examined(points: Mapping[str, Point]) -> Choice:
     return Choice(points[min(points, key=order)], len(points), joints_of(points.values()))
 
 
-def choose_effects(
+def choose_rock_effects(
     choice: Choice,
     walls: Iterable[Walls],
     names: Iterable[str],

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.ensembles.quantities import QUANTITIES
-from jointclosure.ensembles.simulation import Reading, Row, simulate_row, stacked
+from jointclosure.ensembles.simulation import Reading, Row, simulate_row, stack_rows
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.walls import CrushedWalls, Walls
@@ -108,7 +108,7 @@ def joined_rows(rows: Sequence[Row], point: Point, reading: Reading) -> xr.Datas
     """Join rows of the first realisations of a point along ``joint``, with their coordinates."""
     numbers = point.settings.first_realization + np.arange(len(rows))
     seeds = np.array([f"{seed:032x}" for seed in seeds_of(point.settings)][: len(rows)], object)
-    joints = stacked(rows, numbers, seeds, reading)
+    joints = stack_rows(rows, numbers, seeds, reading)
     if not reading.stresses.size:  # no curves
         joints = joints.drop_vars(["branch", "stress"])
     at = {name: _column(value, len(rows)) for name, value in point.coordinates.items()}

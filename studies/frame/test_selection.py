@@ -11,7 +11,7 @@ from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.gridding import Scan
 from studies.frame import simulation
 from studies.frame.cases import cases_of
-from studies.frame.pilots import choose_effects, examined
+from studies.frame.pilots import choose_rock_effects, examined
 from studies.frame.points import case_point
 from studies.frame.scanned_walls import cut_walls, prepared_walls
 from studies.frame.settings import walls_of
@@ -47,7 +47,7 @@ def chosen_to(tolerance, **changes):
     """Return the dataset of chosen effects of a rock, and the points of its cases."""
     points = points_to(tolerance, **changes)
     choice = examined(points)
-    return choose_effects(choice, walls_of(choice.point.settings), NAMES), points
+    return choose_rock_effects(choice, walls_of(choice.point.settings), NAMES), points
 
 
 def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_strength():
@@ -87,7 +87,7 @@ def test_joints_of_a_pilot_are_taken_instead_of_closed_again(
 ):
     (label, point), *_ = points_to(tolerance, **rock).items()
     walls = list(cut_scan(point.settings) if rock else walls_of(point.settings))
-    write_netcdf(choose_effects(examined({label: point}), walls, NAMES), tmp_path / "pilot.nc")
+    write_netcdf(choose_rock_effects(examined({label: point}), walls, NAMES), tmp_path / "pilot.nc")
     pilot = read_netcdf(tmp_path / "pilot.nc")
     under, known = under_chosen(point, pilot)
     assert (under.settings.conditions.effects == jc.Effects()) is (tolerance < 0.5)

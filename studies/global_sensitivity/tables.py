@@ -17,11 +17,11 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import confidence_limits, jackknife_error
 from jointclosure.statistics.variance_indices import (
-    Fit,
+    FittedFunction,
     Indices,
     Term,
     design_matrix,
-    fitted,
+    fit_function,
     shapley_effects,
     variance_indices,
 )
@@ -103,7 +103,7 @@ class FittedElasticities(NamedTuple):
     fit_over_noise: np.ndarray
 
 
-def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
+def datasets_by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
     """Arrange the joints of each rock as a dataset over row, point, surface and cycle."""
     joints = joints.assign(surface=joints.realization - SURFACES * joints.row)
     return {
@@ -155,7 +155,7 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
     return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
 
 
-def elasticity_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
+def global_elasticity_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Tabulate mean, spread and share above 0 of elasticities over the other inputs.
 
     Their standard errors are by jackknife over groups of rows.
@@ -270,7 +270,9 @@ def _index_rows(sampling: Sampling, indices: Indices) -> Iterator[dict]:
     yield {"input": "surfaces", "title": title} | whole
 
 
-def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd.DataFrame:
+def _shapley_table(
+    sampling: Sampling, fits: list[tuple[dict, list[FittedFunction]]]
+) -> pd.DataFrame:
     """Compute Shapley effects of all responses at once, as the points of a subset are the same."""
     coefficients = np.stack(
         [fit.coefficients for _, of_response in fits for fit in of_response], axis=1
@@ -292,10 +294,10 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
     return pd.DataFrame(rows)
 
 
-def _fitted(response: Responses, kept: np.ndarray, sampling: Sampling) -> Fit:
+def _fitted(response: Responses, kept: np.ndarray, sampling: Sampling) -> FittedFunction:
     points = response.points[kept]
     mean = response.values.mean(axis=-1)[kept]
-    return fitted(points.reshape(-1, points.shape[-1]), mean.ravel(), sampling.values)
+    return fit_function(points.reshape(-1, points.shape[-1]), mean.ravel(), sampling.values)
 
 
 def _kept(rows: np.ndarray) -> list[np.ndarray]:

@@ -147,7 +147,7 @@ def misalignment_jobs(study: Configuration) -> dict[str, list[Point]]:
     }
 
 
-def summary(
+def mean_changes(
     joints: pd.DataFrame, by: Sequence[str], names: Sequence[str], reference: Mapping[str, Any]
 ) -> pd.DataFrame:
     """Tabulate means over surfaces, and their changes [%] from a reference on the same surfaces.
@@ -180,7 +180,7 @@ def summary(
 def tabulate_misalignment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute means over surfaces, and their changes from aligned walls."""
     by = ("rock", "wavelength", "tilt", "rotation")
-    table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
+    table = mean_changes(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
     return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]
 
 

@@ -1,4 +1,4 @@
-"""Checks of the results of an ensemble, and the table of its apertures."""
+"""Checks of the results of an ensemble, and the joints that have a remark."""
 
 import itertools
 import json

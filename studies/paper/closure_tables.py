@@ -17,7 +17,8 @@ from jointclosure.statistics.randomness import generator, seed_of
 from studies.frame.settings import BASE
 from studies.frame.tables import since_seating, succeeded
 from studies.paper.claims import NET, TARGET
-from studies.paper.responses import Covariates, Response, adjustment, responses, same_surfaces
+from studies.paper.covariates import Covariates, adjustment
+from studies.paper.responses import Response, responses, same_surfaces
 
 if TYPE_CHECKING:  # models of the configuration take long to import
     from studies.frame.keys import Statistics

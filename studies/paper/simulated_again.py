@@ -1,4 +1,4 @@
-"""Steps of single joints of a finished study, simulated again as its dataset has no steps."""
+"""Single joints of a finished study, simulated again for their steps, which no dataset has."""
 
 import json
 from functools import lru_cache

@@ -198,11 +198,11 @@ def markdown_rows(frame: pd.DataFrame) -> list[str]:
     names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
     lines = ["| Parameter | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for parameter, row in frame.iterrows():
-        lines.append(f"| {heading_of(parameter)} | " + " | ".join(row) + " |")
+        lines.append(f"| {property_heading(parameter)} | " + " | ".join(row) + " |")
     return lines
 
 
-def heading_of(parameter: str) -> str:
+def property_heading(parameter: str) -> str:
     """Return the heading of the row of a property, with symbol (such as σc) and unit."""
     if parameter == "jrc":
         return "Joint roughness coefficient (JRC)"

@@ -26,18 +26,23 @@ from studies.frame.settings import walls_of
 from studies.frame.tables import since_seating
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper import figures as plotting
-from studies.paper import responses as measured
 from studies.paper.closure_tables import indifference_table, max_closure_table
+from studies.paper.covariates import (
+    Covariates,
+    as_dataset,
+    covariates_of_pair,
+    known_covariates,
+    measure_covariates,
+)
 from studies.paper.predictive import lengths_dataset, predictive
 from studies.paper.report import content as report
 from studies.paper.report.page import sheet
-from studies.paper.responses import Covariates, known_covariates, measure_covariates
 from studies.paper.tables_1_to_3 import (
     case_table,
     closure_lines,
     figure_text,
-    heading_of,
     interval_text,
+    property_heading,
     rock_table,
     table_3,
     table_3_markdown,
@@ -158,7 +163,7 @@ def ends_of(frame, column):
 def test_a_number_of_the_headline_without_an_error_is_only_rounded():
     """As of one joint."""
     numbers = pd.DataFrame({"Joints (n)": [1], "a": [0.12345], "a_half_width": [np.nan]})
-    ranges = report.ranges_of(numbers, resolved(KEYS))
+    ranges = report.ranges_over_rocks(numbers, resolved(KEYS))
     assert (ranges["a"], ranges["joints"]) == ("0.12", "1")
 
 
@@ -227,7 +232,7 @@ def test_covariates_are_those_of_the_walls_that_were_closed():
         z2 = z2_of_jrc(case.jrc, configuration.grid.spacing, configuration.surface.hurst)
         walls = walls_of(block_settings(configuration, case, range(4)))
         for j, (upper, lower) in enumerate(walls):
-            expected = measured.covariates_of_pair(upper, lower, z2)
+            expected = covariates_of_pair(upper, lower, z2)
             np.testing.assert_array_equal(values[i, j], expected)
             # of 480 cells 1 % end between the fourth and fifth highest, 5 % at the 24th
             highest = np.sort((upper + lower).ravel())[::-1]
@@ -266,10 +271,10 @@ def test_covariates_come_back_from_their_file(tmp_path):
     values = measure_covariates(study, *made_by(configuration))
     study.attrs["key"] = "of this study"
     file = tmp_path / "covariates.nc"
-    write_netcdf(measured.as_dataset(Covariates(values, known), study), file)
+    write_netcdf(as_dataset(Covariates(values, known), study), file)
     with pytest.raises(InputError, match=f"{file}: is not of this study"):
-        measured.read_covariates(file, study.assign_attrs(key="of another one"))
-    again = measured.read_covariates(file, study)
+        read_covariates(file, study.assign_attrs(key="of another one"))
+    again = read_covariates(file, study)
     np.testing.assert_array_equal(again.values, values)
     for one, other in zip(again.known, known, strict=True):
         np.testing.assert_array_equal(one, other)
@@ -529,8 +534,8 @@ def test_lengths_are_marked_by_what_is_doubtful_of_them(status, text):
 
 
 def test_the_heading_of_a_property_has_its_symbol_and_unit_and_of_the_roughness_its_name():
-    assert heading_of("compressive_strength") == "Compressive strength σc (MPa)"
-    assert heading_of("jrc") == "Joint roughness coefficient (JRC)"
+    assert property_heading("compressive_strength") == "Compressive strength σc (MPa)"
+    assert property_heading("jrc") == "Joint roughness coefficient (JRC)"
 
 
 def test_the_share_of_lengths_below_the_axis_is_written_at_its_end(slate):

@@ -102,7 +102,7 @@ def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[st
 
     ``cases`` are all by name, as some are compared with others.
     """
-    failed = broken_requirements(outcome, tolerances_of(outcome.case))
+    failed = broken_requirements(outcome, case_tolerances(outcome.case))
     if outcome.dataset is not None and not failed:
         for name, asked in outcome.case["must"].items():
             failed += _broken_must(outcome, name, asked, cases)
@@ -186,7 +186,7 @@ def _run(frozen: str) -> CaseOutcome:
     walls = (wall - height_datum(wall) for wall in (upper, lower))
     model = (setting[name] for name in ("spacing", "rock", "effects", "choices"))
     given = oracle.PristineJoint(*walls, *model)
-    judge = Judge(given, tolerances_of(case))
+    judge = Judge(given, case_tolerances(case))
     dataset = None
     message = ""
     target = math.nan
@@ -270,7 +270,7 @@ def load_of(case: dict, target: float) -> dict[str, Any]:
     return {"max_normal_stress": [case["scale_stresses"] * turn for turn in case["history"]]}
 
 
-def tolerances_of(case: dict) -> dict[str, float]:
+def case_tolerances(case: dict) -> dict[str, float]:
     """Return the limits of the oracle's numbers, and of the relative distance to the target."""
     numerics = Numerics()._replace(**case["numerics"])
     by_stress = case["closure"] is None

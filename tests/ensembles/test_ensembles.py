@@ -62,10 +62,12 @@ def test_a_joint_that_cannot_be_closed_loses_no_other(alone):
 @pytest.mark.parametrize("shipped", [False, True])
 def test_kernels_that_are_not_shipped_are_compiled_before_several_processes(shipped, monkeypatch):
     calls = []
-    share = simulation.shared
+    share = simulation.in_processes
     monkeypatch.setattr(warmup, "all_are_shipped", lambda: shipped)
     monkeypatch.setattr(warmup, "compile_kernels", lambda *kernel: calls.append(kernel))
-    monkeypatch.setattr(simulation, "shared", lambda *task: calls.append("shared") or share(*task))
+    monkeypatch.setattr(
+        simulation, "in_processes", lambda *task: calls.append("shared") or share(*task)
+    )
     jc.simulate_ensemble(rule, seeds=[3, 5], workers=2, **LOAD)
     kernels = (scene_name(jc.Effects()), "pristine", "base", "fast", "fixed_step")
     assert calls == (["shared"] if shipped else [kernels, "shared"])

@@ -15,11 +15,15 @@ from jointclosure.measured.fit import fit
 from jointclosure.measured.joint_arguments import SimulatedWalls
 from jointclosure.measured.likelihood import (
     likelihood_of,
-    logs_of,
+    log_readings,
     readings_of_curve,
     readings_of_history,
 )
-from jointclosure.measured.simulated_joints import Joints, Later, numerical_sentence
+from jointclosure.measured.simulated_joints import (
+    ComparisonJoints,
+    LaterLoading,
+    numerical_sentence,
+)
 from jointclosure.plotting.measured import fit_figure
 from tests.joints import COARSE, SPACING
 from tests.measured.test_validation import scanned_pair
@@ -41,8 +45,8 @@ def closures_of(asked, wavelengths, surfaces):
         joint=SimpleNamespace(surfaces=surfaces), measured=asked, wavelengths=wavelengths,
         walls=WALLS, scans=None,
     )  # fmt: skip
-    made = CONDITIONS, (GRANITE.compressive_strength,), (surfaces, 0, 1), (Later(),)
-    joints = Joints(given, *made, None, 1, lambda line: None)
+    made = CONDITIONS, (GRANITE.compressive_strength,), (surfaces, 0, 1), (LaterLoading(),)
+    joints = ComparisonJoints(given, *made, None, 1, lambda line: None)
     return joints.closures()[0, :, 0], joints.stresses
 
 
@@ -57,7 +61,7 @@ def curve_of(history):
 @pytest.fixture(scope="module")
 def simulated(history):
     asked = readings_of_curve(curve_of(history), SEATING)
-    return logs_of(*closures_of(asked, WAVELENGTHS, 10), asked)[:, None]
+    return log_readings(*closures_of(asked, WAVELENGTHS, 10), asked)[:, None]
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +85,7 @@ def test_curves_of_the_joints_are_those_of_the_readings(history):
     asked = asked._replace(cycles=2, unloaded=(1, 2), read=())
     asked = asked._replace(values=np.ones(len(asked.places())))
     closures, stresses = closures_of(asked, WAVELENGTHS[:2], 1)
-    readings = np.exp(logs_of(closures, stresses, asked))[:, 0].reshape(2, 2, -1)
+    readings = np.exp(log_readings(closures, stresses, asked))[:, 0].reshape(2, 2, -1)
     assert np.isfinite(readings).all()  # of both cycles, the last recovered
     loading, unloading = np.moveaxis(closures[:, 0] - closures[:, 0, :, :1, :1], 2, 0)
     assert (stresses[0], stresses[-1]) == (SEATING, asked.levels[-1])

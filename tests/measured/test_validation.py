@@ -11,11 +11,15 @@ import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
-from jointclosure.measured.compared_quantities import about_share, intervals, quantities
+from jointclosure.measured.compared_quantities import (
+    about_share,
+    compared_quantities,
+    prediction_intervals,
+)
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.joint_arguments import SimulatedWalls
 from jointclosure.measured.likelihood import Readings, readings_of_curve
-from jointclosure.measured.simulated_joints import CHECKED, FINER, Later
+from jointclosure.measured.simulated_joints import CHECKED, FINER, LaterLoading
 from jointclosure.measured.validation import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
 from jointclosure.statistics.randomness import generator
@@ -237,7 +241,13 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, tmp_p
     tried = {"shifts": (1, 2), "crushed_strength_ratios": (0.8, 0.6), "strengths": (45e6, 180e6)}
     pair = scanned_pair(24)
     tried |= {"cache": tmp_path, "surfaces": 12, "pair": pair, "workers": None}
-    laters = [Later(), Later(1), Later(2), Later(0, 0.8), Later(0, 0.6)]
+    laters = [
+        LaterLoading(),
+        LaterLoading(1),
+        LaterLoading(2),
+        LaterLoading(0, 0.8),
+        LaterLoading(0, 0.6),
+    ]
     rng, inside, seen = np.random.default_rng(11), [], []
     for number in range(24):
         strength, later = float(np.exp(rng.uniform(*np.log([55e6, 150e6])))), laters[number % 5]
@@ -248,7 +258,7 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, tmp_p
         joints = region.compared[later]
         place = np.abs(np.log(joints.strengths / strength)).argmin()
         inside.append(joints.p_values[:, place].max() >= 0.05)
-        if later != Later():
+        if later != LaterLoading():
             seen.append(not region.compatible(NEITHER))
     assert sum(inside) >= 20  # 95 % of 24 are 22.8, with a standard deviation of 1.1
     assert np.mean(seen) > 0.8  # where little was crushed, its strength matters little
@@ -280,8 +290,8 @@ def test_errors_of_quantities_are_their_scatter_by_measured_closures():
     random, error = generator(1), 0.01
     exact = np.array([0.10, 0.15, 0.20, 0.05, 0.11, 0.13])
     drawn = exact * (1.0 + error * random.standard_normal((20_000, exact.size)))
-    measured = quantities(exact, readings(), error)
-    scattered = quantities(drawn, readings())
+    measured = compared_quantities(exact, readings(), error)
+    scattered = compared_quantities(drawn, readings())
     assert [one.first_loading for one in measured].count(True) == 2
     for one, other in zip(measured, scattered, strict=True):
         assert float(one.error) == pytest.approx(other.values.std(), rel=0.05), one.name
@@ -295,7 +305,7 @@ def test_the_interval_of_one_more_joint_is_students_with_the_measuring_error():
     curve = readings([0.10, 0.15, 0.20, 0.05, 0.11, 0.13])
     logs = np.log(1e3 * joints[0, 1:, 2])  # closure of cycle 1 [mm]
     for error in (0.0, 0.1, 1.0):
-        _, low, high = next(intervals(curve, joints, error))
+        _, low, high = next(prediction_intervals(curve, joints, error))
         spread = np.sqrt(logs.var(ddof=1) * (1.0 + 1.0 / 5.0) + error**2)
         half = scipy.stats.t.ppf(0.975, 4) * spread
         np.testing.assert_allclose(
@@ -303,8 +313,8 @@ def test_the_interval_of_one_more_joint_is_students_with_the_measuring_error():
         )
     # joints of neighbouring constants tell of the scatter, but not of the mean, and failed ones not
     several = np.concatenate([joints, 2.0 * joints, np.nan * joints])
-    _, low, high = next(intervals(curve, several, 0.0))
-    alone = next(intervals(curve, joints, 0.0))
+    _, low, high = next(prediction_intervals(curve, several, 0.0))
+    alone = next(prediction_intervals(curve, joints, 0.0))
     assert alone[1][0] < low[0] < high[0] < alone[2][0]
     assert low[1] == pytest.approx(2.0 * low[0])
     assert np.isnan([low[2], high[2]]).all()

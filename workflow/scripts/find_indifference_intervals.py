@@ -5,7 +5,7 @@ from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
 from studies.paper.closure_tables import indifference_table
-from studies.paper.responses import read_covariates
+from studies.paper.covariates import read_covariates
 from studies.paper.tables_1_to_3 import with_paper
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
 from studies.paper.closure_tables import correlation_table, max_closure_table
-from studies.paper.responses import read_covariates
+from studies.paper.covariates import read_covariates
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

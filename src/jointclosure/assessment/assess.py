@@ -21,7 +21,7 @@ import pandas as pd
 from jointclosure.assessment.effect_names import lacks_effects, without
 from jointclosure.compilation.code_digests import code_digest
 from jointclosure.ensembles.simulation import Reading, simulate_row
-from jointclosure.execution.workers import Failed, number_of_workers, shared
+from jointclosure.execution.workers import Failed, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
     Changes,
@@ -139,7 +139,7 @@ class Assessment:
 
     @property
     def sentences(self) -> list[str]:
-        """Conclusions for the request."""
+        """Conclusions in words: limits of the accuracy, effects that are needed, and hardness."""
         worst = self.hardness.iloc[0]
         subject = "this joint" if self._lone else f"joint {worst.joint}"
         words = f"{subject} is {worst.verdict} ({_MEANINGS[worst.verdict]}): {worst.reason}"
@@ -536,7 +536,7 @@ def closures_of(
     ]
     # before processes need them, and no part of a measured time
     prepare_kernels({variants[name].model for name, *_ in missing}, processes)
-    for done, (at, row) in enumerate(shared(simulate_row, asked, processes), start=1):
+    for done, (at, row) in enumerate(in_processes(simulate_row, asked, processes), start=1):
         name = missing[at][0]
         key = keys[missing[at]]
         if isinstance(row, Failed):

@@ -87,7 +87,7 @@ def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
 
 
 class Change(NamedTuple):
-    """Mean change of `ASSESSED` (quantity, cycle) [1], and its standard deviation."""
+    """Relative change of mean results `ASSESSED` (quantity, cycle) [1], and its deviation."""
 
     mean: np.ndarray
     deviation: np.ndarray
@@ -213,7 +213,10 @@ class Pilot:
     def test(
         self, names: tuple[str, ...], before: Effects, tolerance: float
     ) -> tuple[bool, Change, str]:
-        """Test whether effects of a scene can be left out; return this, the change, and why."""
+        """Test whether effects can be left out of the scene ``before`` within a tolerance [1].
+
+        Return whether they can, the change of mean closures without them, and the reason in words.
+        """
         fewer = before._replace(**dict.fromkeys(names, False))
         full = self.effects
         first = self.values(full, 1)[0]

@@ -1,4 +1,4 @@
-"""Joints that are simulated, timed and read, one by one or many of the same rock and load."""
+"""Simulation of many joints of one rock and load, and reading of their quantities."""
 
 import time
 import warnings
@@ -12,7 +12,7 @@ import xarray as xr
 from jointclosure.ensembles.quantities import QUANTITIES, names_of_case
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.execution.progress import bar
-from jointclosure.execution.workers import Failed, ProcessLostError, number_of_workers, shared
+from jointclosure.execution.workers import Failed, ProcessLostError, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_count
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.simulation import simulate_walls
@@ -68,7 +68,7 @@ def read_joint(joint: SimulatedJoint, names: Iterable[str]) -> Row:
     return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not failed}
 
 
-def stacked(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading) -> xr.Dataset:
+def stack_rows(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading) -> xr.Dataset:
     """Return rows of joints as a dataset along ``realization``.
 
     A value that a row does not have is NaN, a count 0.
@@ -161,7 +161,7 @@ def simulate_ensemble(
     errors = [
         f"{type(a.error).__name__}: {a.error}" if isinstance(a, Failed) else "" for a in answers
     ]
-    ensemble = stacked(rows, np.arange(len(rows)), labels, reading)
+    ensemble = stack_rows(rows, np.arange(len(rows)), labels, reading)
     about = ensemble.status.attrs
     why = {"long_name": "why a joint failed"}
     about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
@@ -179,7 +179,7 @@ def _rows(
 
     def simulate(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
         tasks = [(pairs[place], reading) for place in places]
-        for done, (at, row) in enumerate(shared(simulate_row, tasks, workers), start=1):
+        for done, (at, row) in enumerate(in_processes(simulate_row, tasks, workers), start=1):
             rows[places[at]] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
 

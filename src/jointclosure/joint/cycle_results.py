@@ -96,9 +96,10 @@ def loop_between(loading: Any, unloading: Any) -> Any:
 
 
 def net_responses(joint: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return the results of each cycle (cycles,) as laboratories report them, by name.
+    """Return the results of each cycle as laboratories report them: arrays (cycles,) by name.
 
-    They are net closures [m], the net stiffness [Pa/m] and the landing stress [Pa]. The stiffness
+    They are net closures [m], the net stiffness [Pa/m] and the stress [Pa] up to which steps have
+    their full size (`History.landing_stresses`). The stiffness
     is the chord of a loading from half of its maximum, or from a higher former maximum. Results of
     a cycle that was not completed are NaN.
     """

@@ -1,4 +1,4 @@
-"""Fields of a joint at one step, and its states at given stresses."""
+"""Snapshots: states of a joint at given stresses, with overlap and displacement of its cells."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple, cast

@@ -1,4 +1,4 @@
-"""Closure, stiffness, and residual closure, of a measured curve and of simulated joints."""
+"""Quantities in which simulated joints are compared with a measured curve: closure, stiffness."""
 
 import math
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from jointclosure.measured.likelihood import Readings
 from jointclosure.statistics.standard_errors import CONFIDENCE
 
 
-class Quantity(NamedTuple):
+class ComparedQuantity(NamedTuple):
     """Quantity that is read from a measured curve, or from simulated joints."""
 
     name: str  # in words
@@ -27,7 +27,9 @@ def about_share(unit: str, low: float) -> str:
     return " (negative: the joint opens beyond the start of the loading)" if negative else ""
 
 
-def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> list[Quantity]:
+def compared_quantities(
+    values: np.ndarray, readings: Readings, error: float = 0.0
+) -> list[ComparedQuantity]:
     """Compute closure at the maximum, stiffness, and the share of closure that stays, by cycle.
 
     ``values`` (..., n) are readings with a relative ``error``. Ratios of later stiffnesses to the
@@ -42,7 +44,7 @@ def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> li
         whole = closures[-1]
         first = cycle == 1
         name = f"closure of cycle {cycle}"
-        result.append(Quantity(name, "mm", 1e3 * whole, 1e3 * error * whole, first))
+        result.append(ComparedQuantity(name, "mm", 1e3 * whole, 1e3 * error * whole, first))
         if len(levels) > 1:
             rise = levels[-1] - levels[-2]
             run = whole - closures[-2]
@@ -51,34 +53,34 @@ def quantities(values: np.ndarray, readings: Readings, error: float = 0.0) -> li
                 spread = stiffness * error * np.hypot(whole, closures[-2]) / run
             between = " to ".join(f"{1e-6 * level:.3g}" for level in levels[-2:])
             name = f"stiffness of cycle {cycle}, {between} MPa"
-            stiffnesses.append(Quantity(name, "MPa/mm", stiffness, spread, first))
+            stiffnesses.append(ComparedQuantity(name, "MPa/mm", stiffness, spread, first))
             result.append(stiffnesses[-1])
         if (cycle, None) in places:
             recovered = values[..., places.index((cycle, None))] / whole
             name = f"share of the closure of cycle {cycle} that stays"
             spread = 100.0 * recovered
             spread = math.sqrt(2.0) * error * spread
-            result.append(Quantity(name, "%", 100.0 * (1.0 - recovered), spread, False))
+            result.append(ComparedQuantity(name, "%", 100.0 * (1.0 - recovered), spread, False))
     for later in stiffnesses[1:] if stiffnesses and stiffnesses[0].first_loading else ():
         base = stiffnesses[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = later.values / base.values
             spread = ratio * np.hypot(later.error / later.values, base.error / base.values)
         name = f"{later.name.partition(',')[0]} over the first"
-        result.append(Quantity(name, "1", ratio, spread, False))
+        result.append(ComparedQuantity(name, "1", ratio, spread, False))
     return result
 
 
-def intervals(
+def prediction_intervals(
     measured: Readings, joints: np.ndarray, error: float
-) -> Iterator[tuple[Quantity, np.ndarray, np.ndarray]]:
+) -> Iterator[tuple[ComparedQuantity, np.ndarray, np.ndarray]]:
     """Generate measured quantities with the ends (nodes,) of the 95 % interval of one more joint.
 
     ``joints`` are readings (nodes, joints, n), whose scatter is pooled over neighbouring nodes,
     ``error`` is the relative error of the measured ones. The scatter is that of logarithms where
     all values are positive. For a share of closure that stays, it is that of the recovered share.
     """
-    both = (quantities(values, measured, error) for values in (joints, measured.values))
+    both = (compared_quantities(values, measured, error) for values in (joints, measured.values))
     for simulated, one in zip(*both, strict=True):
         values = simulated.values
         value = float(one.values)

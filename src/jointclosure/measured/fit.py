@@ -11,7 +11,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.compared_quantities import about_share, intervals
+from jointclosure.measured.compared_quantities import about_share, prediction_intervals
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joint_arguments import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.measured.likelihood import (
@@ -20,10 +20,15 @@ from jointclosure.measured.likelihood import (
     Readings,
     Simulated,
     likelihood_of,
-    logs_of,
+    log_readings,
     reading_sentences,
 )
-from jointclosure.measured.simulated_joints import ADVICE, Joints, Later, numerical_sentence
+from jointclosure.measured.simulated_joints import (
+    ADVICE,
+    ComparisonJoints,
+    LaterLoading,
+    numerical_sentence,
+)
 from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.number_texts import percent, significant
 
@@ -124,7 +129,7 @@ class Fit(NamedTuple):
         result = []
         nodes = np.linspace(0.0, 1.0, len(joints))
         at = np.linspace(0.0, 1.0, fine.size)
-        for one, *ends in intervals(self.measured, joints, self.closure_error):
+        for one, *ends in prediction_intervals(self.measured, joints, self.closure_error):
             value = float(one.values)
             least, most = (np.interp(at, nodes, end) for end in ends)
             apart = np.maximum(np.maximum(least - value, value - most), 0.0)
@@ -257,9 +262,9 @@ def fit(
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    joints = Joints(
+    joints = ComparisonJoints(
         given, given.conditions(numerics), tuple(strengths.tolist()),
-        (surfaces * strengths.size, surfaces, 1), (Later(),), cache, workers,
+        (surfaces * strengths.size, surfaces, 1), (LaterLoading(),), cache, workers,
         partial(print, flush=True) if progress else lambda line: None,
     )  # fmt: skip
     joints.check([usual])
@@ -267,7 +272,7 @@ def fit(
     if simulated is None:
         closures = joints.closures()
         net = (closures - closures[..., :1, :1])[0]
-        logs = logs_of(closures[0], joints.stresses, measured)
+        logs = log_readings(closures[0], joints.stresses, measured)
         simulated = Simulated(logs, net, joints.stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:

@@ -1,4 +1,4 @@
-"""Joints that are simulated for comparison with a measured curve, as arguments state them."""
+"""Arguments of `fit` and `validate`: a measured curve, and the joint to compare with it."""
 
 import hashlib
 from collections.abc import Mapping, Sequence

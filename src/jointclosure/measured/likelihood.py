@@ -1,4 +1,4 @@
-"""Likelihood of mismatch wavelength, and strength, from a measured closure curve.
+"""Readings of a measured curve, and the likelihood of mismatch wavelength and strength.
 
 Joints of a rock and roughness are simulated at mismatch wavelengths from mated to independent
 walls, and at several strengths if these are fitted too. A measured curve is one draw of them: its
@@ -37,7 +37,11 @@ _SAME_LOAD = 0.02
 
 
 class Readings(NamedTuple):
-    """Closures since seating on loading at levels with enough points, and recovered closures."""
+    """Readings of a measured curve, with which simulated joints are compared.
+
+    ``values`` are closures since seating on loading, at stresses with enough points, and the
+    closures that were recovered on unloading.
+    """
 
     cycles: int
     unloaded: tuple[int, ...]  # cycles that were unloaded back to seating
@@ -57,7 +61,7 @@ class Readings(NamedTuple):
         return places
 
     def names(self) -> list[str]:
-        """Return a description of each value."""
+        """Return a description of each reading, such as "closure of cycle 1 at 2.5 MPa"."""
         recovered = "closure recovered in cycle {}"
         closed = "closure of cycle {} at {:.3g} MPa"
         return [
@@ -253,7 +257,7 @@ def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Read
     return np.stack(values, axis=-1)
 
 
-def logs_of(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
+def log_readings(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
     """Return logarithms of `readings_of_closures` (..., n).
 
     All readings of a joint are NaN if one of them is not above 0.

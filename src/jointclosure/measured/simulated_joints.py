@@ -1,4 +1,4 @@
-"""Joints that are simulated for comparison with a measured curve, and kept in a folder."""
+"""Simulation of joints for comparison with a measured curve, with a folder that keeps them."""
 
 import math
 import tempfile
@@ -19,7 +19,7 @@ from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.warmup import prepare_kernels
-from jointclosure.measured.compared_quantities import quantities
+from jointclosure.measured.compared_quantities import compared_quantities
 from jointclosure.measured.joint_arguments import AskedJoints, SimulatedWalls
 from jointclosure.measured.likelihood import (
     CURVE_POINTS,
@@ -40,26 +40,27 @@ ADVICE = "check rock, roughness, roll-off, size and units"
 """Advice where no joint is like the measured one."""
 
 
-class Later(NamedTuple):
-    """What is different in loadings after the first one."""
+class LaterLoading(NamedTuple):
+    """Changes of a joint before its second loading: shifted walls, weaker crushed rock."""
 
     shift: int = 0  # of the upper wall along x [cells]
     crushed_strength_ratio: float = 1.0  # strength of crushed rock over that of the rock
 
 
-class Joints(NamedTuple):
-    """Joints of all wavelengths, ``strengths`` [Pa] and ``laters`` beside a curve.
+class ComparisonJoints(NamedTuple):
+    """Joints simulated for comparison with a curve, for all values of the fitted constants.
 
-    ``conditions`` are those of the first cycle. The walls of a joint depend on its number; the
-    numbers of neighbouring wavelengths, strengths and surfaces are ``strides`` apart. ``cache`` is
-    the folder in which joints are kept, None if they are not.
+    The constants are mismatch wavelengths [m], compressive ``strengths`` [Pa], and the changes
+    ``laters`` after the first loading. ``conditions`` are those of the first cycle. The walls of a
+    joint depend on its number; the numbers of neighbouring wavelengths, strengths and surfaces are
+    ``strides`` apart. ``cache`` is the folder in which joints are kept, None if they are not.
     """
 
     asked: AskedJoints
     conditions: Conditions
     strengths: tuple[float, ...]
     strides: tuple[int, int, int]
-    laters: tuple[Later, ...]
+    laters: tuple[LaterLoading, ...]
     cache: str | Path | None
     workers: int | None
     report: Callable[[str], None]
@@ -80,7 +81,7 @@ class Joints(NamedTuple):
         asked = self.asked
         for strength in strengths:
             for later in self.laters:
-                changed(self.conditions, strength, later).checked()
+                with_strength(self.conditions, strength, later).checked()
         asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
         nodes = (asked.wavelengths.size, len(self.strengths))
         surfaces = asked.joint.surfaces
@@ -151,7 +152,7 @@ class Joints(NamedTuple):
         """Estimate the time of all ``count`` joints from one of them, and say what is kept."""
         asked = self.asked
         middle = len(self.strengths) // 2
-        conditions = changed(self.conditions, self.strengths[middle], Later())
+        conditions = with_strength(self.conditions, self.strengths[middle], LaterLoading())
         walls = asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
         later = (asked.measured.cycles - 1) * len(self.laters)
         each = count * (1.0 + later / FIRST_LOADING) / workers
@@ -182,7 +183,7 @@ class Joints(NamedTuple):
         )  # fmt: skip
         fine = nearest._simulate_missing([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
         given, finer = (
-            quantities(readings_of_closures(each, self.stresses, measured), measured)
+            compared_quantities(readings_of_closures(each, self.stresses, measured), measured)
             for each in (closures[kind, i, j, :CHECKED], fine)
         )
         changes: dict[str, tuple[float, float]] = {}
@@ -206,7 +207,7 @@ def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
     return [f"numerical error, {checked}: {'; '.join(texts)}"]
 
 
-def changed(conditions: Conditions, strength: float, later: Later) -> Conditions:
+def with_strength(conditions: Conditions, strength: float, later: LaterLoading) -> Conditions:
     """Return conditions with a compressive strength [Pa] and the crushed strength of ``later``.
 
     The crushed-strength ratio is multiplied by that of ``later``, whose shift is not used.
@@ -224,7 +225,7 @@ def simulate_surface(
     walls: SimulatedWalls,
     wavelength: float,
     numbered: Mapping[int, float],
-    laters: Sequence[Later],
+    laters: Sequence[LaterLoading],
     *,
     scans: Any,
     report: Any,
@@ -235,10 +236,10 @@ def simulate_surface(
     stresses [Pa], (later, strength, cycle, branch, stress), NaN for loadings that failed.
     """
     levels = np.array(stresses)
-    once_cycles = 1 if tuple(laters) != (Later(),) else cycles
+    once_cycles = 1 if tuple(laters) != (LaterLoading(),) else cycles
     closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)
     for place, (number, strength) in enumerate(numbered.items()):
-        conditions = changed(first, strength, Later())
+        conditions = with_strength(first, strength, LaterLoading())
         pair = walls.pair(number, wavelength, scans)
         once = simulate_walls(*pair, conditions._replace(cycles=once_cycles))
         if once.status >= FAILURE:
@@ -247,7 +248,7 @@ def simulate_surface(
         closures[:, place, :once_cycles] = history_of(once).net.at(levels)
         crushed = once.upper_final.values, once.lower_final.values
         for kind, later in enumerate(laters if once_cycles < cycles else ()):
-            conditions = changed(first, strength, later)._replace(cycles=cycles - 1)
+            conditions = with_strength(first, strength, later)._replace(cycles=cycles - 1)
             seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
             again = simulate_walls(*seated, conditions, pristine=pristine)
             if again.status < FAILURE:

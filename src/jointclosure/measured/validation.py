@@ -1,4 +1,4 @@
-"""Mechanisms and constants of a joint that are compatible with all loadings of a measured curve.
+"""Validation: mechanisms and constants that are compatible with all measured loadings.
 
 A mechanism acts between the first loading and the later ones. Joints are simulated for each of its
 constants, each strength, and each mismatch wavelength of random walls. Such a point is compatible
@@ -18,17 +18,22 @@ import pandas as pd
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.compared_quantities import about_share, intervals
+from jointclosure.measured.compared_quantities import about_share, prediction_intervals
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joint_arguments import JointKeywords, MeasuredJoint, asked_joints
 from jointclosure.measured.likelihood import (
     Likelihood,
     Readings,
     likelihood_of,
-    logs_of,
+    log_readings,
     reading_sentences,
 )
-from jointclosure.measured.simulated_joints import ADVICE, Joints, Later, numerical_sentence
+from jointclosure.measured.simulated_joints import (
+    ADVICE,
+    ComparisonJoints,
+    LaterLoading,
+    numerical_sentence,
+)
 from jointclosure.parameters import RESOLVED, Numerics, Rock
 from jointclosure.statistics.number_texts import percent, significant
 from jointclosure.statistics.standard_errors import CONFIDENCE
@@ -60,7 +65,7 @@ MECHANISMS = {
 """Mechanisms that are tried, by their name in words."""
 
 
-def mechanism_of(later: Later) -> str:
+def mechanism_of(later: LaterLoading) -> str:
     """Return the name of the mechanism by which later loadings differ from the first."""
     acts = (name for name, one in MECHANISMS.items() if getattr(later, one.field) != one.none)
     return next(acts, NEITHER)
@@ -71,7 +76,7 @@ class Region(NamedTuple):
 
     measured: Readings
     curve: MeasuredCurve
-    compared: dict[Later, Likelihood]
+    compared: dict[LaterLoading, Likelihood]
     closures: np.ndarray  # [m] since seating, net, of axes as from `Joints.closures`
     stresses: np.ndarray  # [Pa]
     error: float  # relative, of measured and simulated closures
@@ -81,7 +86,7 @@ class Region(NamedTuple):
     numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
     reading: Sequence[str] = ()  # sentences on how the curve was read
 
-    def joints_of(self, mechanism: str) -> dict[Later, Likelihood]:
+    def joints_of(self, mechanism: str) -> dict[LaterLoading, Likelihood]:
         """Return the likelihoods of a mechanism by its constant, first that without a mechanism."""
         wanted = NEITHER, mechanism
         return {
@@ -135,9 +140,9 @@ class Region(NamedTuple):
         axis = int(self.scanned)
         for mechanism in self.mechanisms:
             kind, *place = self.place(mechanism)
-            joints = np.exp(logs_of(self.closures[kind], self.stresses, self.measured))
+            joints = np.exp(log_readings(self.closures[kind], self.stresses, self.measured))
             joints = joints.take(place[1 - axis], axis=1 - axis)
-            for one, low, high in intervals(self.measured, joints, self.error):
+            for one, low, high in prediction_intervals(self.measured, joints, self.error):
                 about = {"mechanism": mechanism, "quantity": one.name, "unit": one.unit}
                 ends = {"low": low[place[axis]], "high": high[place[axis]]}
                 rows.append(about | {"measured": float(one.values)} | ends)
@@ -256,7 +261,7 @@ def validate(
     ends = _strength_range(strengths, given.rock)
     tried = np.geomspace(*ends, STRENGTHS)
     wavelengths = given.wavelengths
-    joints = Joints(
+    joints = ComparisonJoints(
         given, given.conditions(numerics, NUMERICS), tuple(tried.tolist()),
         (tried.size, 1, wavelengths.size * tried.size), laters, cache, workers, report,
     )  # fmt: skip
@@ -271,14 +276,14 @@ def validate(
     closures = joints.closures()
     numerical = numerics.tolerance if numerics.breakage == "resolved" else 0.0
     error = math.hypot(given.joint.closure_error, numerical)
-    compared: dict[Later, Likelihood] = {}
+    compared: dict[LaterLoading, Likelihood] = {}
     left_out: list[str] = []
-    for later, logs in zip(laters, logs_of(closures, joints.stresses, measured), strict=True):
+    for later, logs in zip(laters, log_readings(closures, joints.stresses, measured), strict=True):
         try:
             compared[later] = likelihood_of(measured, logs, wavelengths, tried, error)
         except InputError as reason:
             left_out.append(caution(f"{mechanism_of(later)}, {later}: left out, {reason}"))
-    if Later() not in compared:
+    if LaterLoading() not in compared:
         name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
         raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
     kept = [laters.index(later) for later in compared]
@@ -294,7 +299,7 @@ def validate(
 
 def _tried_laters(
     shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
-) -> tuple[Later, ...]:
+) -> tuple[LaterLoading, ...]:
     """Return the changes that are tried after the first loading, first no change.
 
     Raise `InputError` if a shift or a ratio is not allowed.
@@ -309,11 +314,11 @@ def _tried_laters(
     for ratio in ratios:
         check_below("crushed_strength_ratios", ratio, 1.0)
     if cycles == 1:
-        return (Later(),)
-    seated_anew = [Later(shift=int(shift)) for shift in sorted(set(shifts))]
+        return (LaterLoading(),)
+    seated_anew = [LaterLoading(shift=int(shift)) for shift in sorted(set(shifts))]
     weaker = sorted(set(ratios), reverse=True)
-    crushed = [Later(crushed_strength_ratio=float(ratio)) for ratio in weaker]
-    return Later(), *seated_anew, *crushed
+    crushed = [LaterLoading(crushed_strength_ratio=float(ratio)) for ratio in weaker]
+    return LaterLoading(), *seated_anew, *crushed
 
 
 def _strength_range(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:

@@ -136,7 +136,7 @@ def draw_studies(
     }
 
 
-def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
+def parameters_without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
     """Return the parameters without any effect: every level draws from the base pool."""
     return {
         key: Sensitivity(levels, base, (pools[list(levels).index(base)],) * len(pools))

@@ -140,7 +140,7 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
     return np.stack(along, axis=-1)
 
 
-def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
+def sample_grid(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     """Return the heights of a grid at the nodes of a coarser one, one of them at ``anchor`` (y, x).
 
     Single heights keep the slopes of the wall, which means over cells would make smaller.

@@ -1,4 +1,4 @@
-"""JRC and RMS slope (Z2), planes, and the bearing-area curve of summed heights."""
+"""JRC and RMS slope (Z2) of walls, and published relations between them."""
 
 from typing import Any, NamedTuple
 

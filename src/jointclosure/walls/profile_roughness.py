@@ -22,7 +22,7 @@ from jointclosure.walls.scans.text import read_table, unit_of_column
 from jointclosure.walls.wall_roughness import (
     DRAWS,
     Measure,
-    difference,
+    height_differences,
     hurst_of_squares,
     jrc_of_relation,
     lags_of,
@@ -244,7 +244,9 @@ def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
     """Return rms height [m], slopes, the Hurst exponent by second differences, and Rp."""
 
     def rms(lag: int, order: int = 1) -> float:
-        return float(np.sqrt(np.nanmean(difference(heights[None, :], "x", lag, order) ** 2)))
+        return float(
+            np.sqrt(np.nanmean(height_differences(heights[None, :], "x", lag, order) ** 2))
+        )
 
     steps = np.diff(heights) / spacing
     scaling = {"rms height": float(np.nanstd(heights)), "Z2": rms(1) / spacing}

@@ -18,8 +18,8 @@ from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
     LEAST_OVERLAP,
-    Fit,
     Motion,
+    SlopeFit,
     Surface,
     compare_rotations,
     flip_about_middle,
@@ -99,7 +99,7 @@ class RegisteredPair(NamedTuple):
     aperture: np.ndarray  # distance (y, x) [m] at first touch
     first_touch: tuple[int, int]
     orientation: str
-    fits: list[Fit]  # the best of each orientation, the best first
+    fits: list[SlopeFit]  # the best of each orientation, the best first
     motion: Motion  # applied to the upper wall
     mated: Motion | None  # that of best fit
     correlation: float  # of heights
@@ -286,7 +286,7 @@ class _BestFit(NamedTuple):
     """Orientation of the upper wall, the best fit of each orientation, and the refined one."""
 
     orientation: str
-    fits: list[Fit]  # the best first; none if a wall is flat
+    fits: list[SlopeFit]  # the best first; none if a wall is flat
     mated: Motion | None  # None if the fit is ambiguous or a wall is flat
 
 
@@ -566,7 +566,7 @@ def _sampled_if_finer(
             f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
         )
         if isinstance(scan, Scan):
-            result[place] = nodes = gridding.sampled(scan, spacing, anchor)
+            result[place] = nodes = gridding.sample_grid(scan, spacing, anchor)
             if side == "lower":  # heights of the upper one are taken at the lower's nodes
                 first = np.array(nodes.origin)[::-1]
                 lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)

@@ -57,7 +57,7 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
     if not np.nanstd(heights) > 0.0:
         raise InputError("all heights are equal: the wall has no roughness")
     for axis in "xy":
-        if not np.isfinite(difference(heights, axis, 1, 2)).any():
+        if not np.isfinite(height_differences(heights, axis, 1, 2)).any():
             raise InputError(
                 f"no three neighbouring cells along {axis} have heights, which measures need; "
                 "choose a coarser grid spacing (--spacing), or export more digits of x and y"
@@ -99,7 +99,7 @@ def lags_of(cells: int) -> np.ndarray:
     return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
 
 
-def difference(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
+def height_differences(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
     """Return differences of a wall (y, x) over ``lag`` cells along an axis, of an ``order``.
 
     That of order 1 is the height further along the axis less the height of the cell.
@@ -115,7 +115,7 @@ def increments(heights: np.ndarray, spacing: float) -> tuple[np.ndarray, dict[st
     lags = lags_of(min(heights.shape))
     rms = {}
     for (order, prefix), axis in itertools.product(((1, ""), (2, "second_")), "xy"):
-        squares = [np.nanmean(difference(heights, axis, lag, order) ** 2) for lag in lags]
+        squares = [np.nanmean(height_differences(heights, axis, lag, order) ** 2) for lag in lags]
         rms[prefix + axis] = np.sqrt(squares)
     return lags * spacing, rms
 
@@ -139,7 +139,7 @@ def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]
     scaling = {"rms height": float(np.nanstd(heights))}
     scaling |= dict(zip(_SLOPES, slopes.tolist(), strict=True))
     for lag in lags_of_relations(spacing, int(lags_of(min(heights.shape))[-1])):
-        squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+        squares = [np.nanmean(height_differences(heights, axis, lag) ** 2) for axis in "xy"]
         scaling[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
     along_x = rms["second_x"] ** 2
     along_y = rms["second_y"] ** 2
@@ -194,7 +194,7 @@ def _local_quantities(heights: np.ndarray, spacing: float) -> Iterator[tuple[str
     """Generate quantities of single cells: name, and values (y, x), NaN where undefined."""
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
-        yield f"curvature {axis}", (difference(heights, axis, 1, 2) / spacing**2) ** 2
+        yield f"curvature {axis}", (height_differences(heights, axis, 1, 2) / spacing**2) ** 2
     curvature = mean_curvature(heights, spacing)
     peaks = peak_cells(heights)
     known = np.isfinite(curvature)

@@ -70,7 +70,7 @@ def content(material: Material) -> dict:
     numbers = summary_frame(study, known["max_closure"], titles)
     of_assessment = assessed(known, configuration, titles)
     return {
-        "ranges": ranges_of(numbers, configuration),
+        "ranges": ranges_over_rocks(numbers, configuration),
         "bias": numerical_bias(of_assessment),
         "headline": headline(known.get("elasticities")),
         "configuration": configuration,
@@ -282,7 +282,7 @@ def _with_half_width(name: str, estimate: Estimate, joints: int) -> dict[str, ob
     }
 
 
-def ranges_of(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
+def ranges_over_rocks(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
     """Return the ranges over the rocks of the columns of `summary_frame`, and of stresses.
 
     Their ends have half of their 95 % intervals, where the column has these.
