@@ -433,12 +433,16 @@ def test_the_headline_has_the_error_of_the_numerics_of_the_study(study, joints, 
     assert "4 joints of Slate, Dolerite" in words
 
 
-def test_the_headline_says_that_joints_are_too_few_and_what_decides(study, joints, table):
+def test_the_headline_says_that_joints_are_too_few_for_an_error(study, joints, table):
     cost = cost_table([study], joints, PLAN)
     wide = table.assign(change_percent_low=-500.0, change_percent_high=360.0)
     words = bias_of({"study_assessment": wide, "study_assessment_cost": cost})
     assert "not known, because 4 joints of Slate, Dolerite are too few. make assess" in words
     assert "360" not in words
+
+
+def test_the_headline_names_the_cycles_for_which_joints_are_too_few(study, joints, table):
+    cost = cost_table([study], joints, PLAN)
     one = table.assign(change_percent_low=table.change_percent_low.where(table.cycle == 1, -500.0))
     words = bias_of({"study_assessment": one, "study_assessment_cost": cost})
     assert " % on cycle 1 against" in words

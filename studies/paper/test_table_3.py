@@ -200,10 +200,17 @@ def test_without_resampled_pools_errors_are_those_of_the_repetitions_alone():
     assert np.isnan(row.median_pool_error)
 
 
-def test_the_error_of_a_median_by_the_pool_is_the_deviation_over_pools_and_none_if_one_has_none():
-    lengths = 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+@pytest.fixture
+def lengths():
+    return 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+
+
+def test_the_error_of_a_median_by_the_pool_is_the_deviation_over_pools(lengths):
     row = entry_of(lengths, *(factor * lengths for factor in (0.8, 1.0, 1.2)))
     assert row.median_pool_error == pytest.approx(0.2 * row["median"])
+
+
+def test_a_median_by_the_pool_has_no_error_if_one_pool_lacks_a_root(lengths):
     endless = np.where(np.arange(400) < 300, np.inf, lengths)
     assert np.isnan(entry_of(lengths, lengths, endless).median_pool_error)
     assert entry_of(endless).median_error == np.inf

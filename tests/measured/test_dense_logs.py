@@ -21,8 +21,11 @@ def noise(count, size=1.0, seed=1):
     return size * np.random.default_rng(seed).standard_normal(count)
 
 
-def test_values_in_steps_scatter_by_the_rounding_to_a_step_and_constant_ones_by_nothing():
+def test_values_in_steps_scatter_by_the_rounding_to_a_step():
     assert scatter_of(np.repeat(np.arange(10.0), 10)) == pytest.approx(1.0 / np.sqrt(12.0))
+
+
+def test_constant_values_do_not_scatter():
     assert scatter_of(np.ones(100)) == 0.0
 
 
@@ -108,13 +111,14 @@ def test_fewer_points_than_thirty_are_not_averaged():
         assert branch.averaged == means
 
 
-def test_the_end_of_a_held_stress_is_a_mean_and_that_of_a_rising_one_a_line():
+@pytest.mark.parametrize("held", [False, True])
+def test_an_averaged_branch_ends_at_its_largest_stress(held):
     rising = np.linspace(0.0, 1.0, 600)
-    held = np.minimum(1.25 * rising, 1.0)
-    for stress in (rising, held):
-        branch = averaged(stress + noise(600, 0.01), rising + noise(600, 0.01, 2))
-        assert branch.stress[-1] == pytest.approx(1.0, abs=0.012)
-    assert branch.points[-1] > 100  # without a further point for the end of the hold
+    stress = np.minimum(1.25 * rising, 1.0) if held else rising
+    branch = averaged(stress + noise(600, 0.01), rising + noise(600, 0.01, 2))
+    assert branch.stress[-1] == pytest.approx(1.0, abs=0.012)
+    if held:  # the mean of the hold, without a further point for its end
+        assert branch.points[-1] > 100
 
 
 def test_the_error_of_the_end_of_a_line_is_twice_that_of_a_mean_of_its_points():
