@@ -24,7 +24,7 @@ from studies.assessment.report_tables import (
 )
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
-from studies.frame.points import settings_of
+from studies.frame.experiments import settings_of
 from studies.paper.report.verdicts import REFERENCE, VERDICT_OF
 
 

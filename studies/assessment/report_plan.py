@@ -14,7 +14,7 @@ from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case, cases_of, ensembles_of, seconds_by_paper
 from studies.frame.configuration import Configuration
-from studies.frame.points import settings_of
+from studies.frame.experiments import settings_of
 from studies.frame.settings import Point
 
 FEWEST = 2

@@ -38,8 +38,8 @@ from studies.assessment.larger_assessment import base_conditions
 from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, settings_of
 from studies.frame.panels import key, legend_below, point_key
-from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.scanned_walls import cut_walls, walls_of_files
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped

@@ -18,7 +18,7 @@ from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out
-from studies.frame.points import experiment_named
+from studies.frame.experiments import experiment_named
 from studies.frame.settings import seeds_of
 from studies.frame.simulation import close_points
 from studies.frame.tables import as_table

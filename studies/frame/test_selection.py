@@ -11,8 +11,8 @@ from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.gridding import Scan
 from studies.frame import simulation
 from studies.frame.cases import cases_of
+from studies.frame.experiments import case_point
 from studies.frame.pilots import choose_rock_effects, examined
-from studies.frame.points import case_point
 from studies.frame.scanned_walls import cut_walls, prepared_walls
 from studies.frame.settings import walls_of
 from studies.frame.simulation import close_joints, under_chosen

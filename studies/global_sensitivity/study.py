@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from jointclosure.ensembles.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Jobs, Tables
 from studies.frame.panels import PanelColumn, Row, legend_below, legend_keys, panels, point_key
-from studies.frame.points import Experiment, Jobs, Tables
 from studies.frame.settings import Point
 from studies.global_sensitivity.design import (
     check_sampling,

@@ -21,8 +21,8 @@ from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots, ticks_at
 from jointclosure.walls import CrushedWalls, shifted
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, at_wavelengths
 from studies.frame.panels import key, point_key
-from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.measured_joints.observables import (
     AGREES,

@@ -27,8 +27,8 @@ from jointclosure.walls.synthesis import (
     wave_numbers,
 )
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, at_wavelengths
 from studies.frame.panels import PanelColumn, Row, panels
-from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, seeds_of
 from studies.frame.tables import grouped, mean_shown
 from studies.misalignment.section import MisalignmentSection

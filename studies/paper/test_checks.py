@@ -13,7 +13,7 @@ from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from studies.frame.cases import block_settings, cases_of, closed_keys
 from studies.frame.datasets import of_case
-from studies.frame.points import case_point
+from studies.frame.experiments import case_point
 from studies.frame.settings import walls_of
 from studies.frame.simulation import close_joints
 from studies.frame.tables import join_cases, since_seating

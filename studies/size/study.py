@@ -25,9 +25,9 @@ from jointclosure.walls.jrc import rms_slope, z2_of_jrc
 from jointclosure.walls.planes import detrended
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, settings_of
 from studies.frame.keys import Grid
 from studies.frame.panels import PanelColumn, Row, panels
-from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.frame.tables import gridded
 from studies.size.section import SizeSection

@@ -32,7 +32,7 @@ from studies.frame.cases import (
 from studies.frame.configuration import configured
 from studies.frame.datasets import joints_key
 from studies.frame.pilots import examined, tried
-from studies.frame.points import case_point, experiment_named
+from studies.frame.experiments import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
 from studies.frame.settings import BASE, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain

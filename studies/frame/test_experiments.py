@@ -10,8 +10,8 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.conftest import points_of
+from studies.frame.experiments import experiment_named
 from studies.frame.pilots import described_time, estimate_time, tried
-from studies.frame.points import experiment_named
 from studies.frame.settings import joints_of
 from studies.frame.simulation import close_points
 from studies.frame.tables import as_table

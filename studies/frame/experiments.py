@@ -1,4 +1,4 @@
-"""Points of the cases of a study and of its experiments; experiments by name.
+"""Experiments by name, and the points at which a study and its experiments simulate joints.
 
 An experiment is a folder of `studies`: ``section.py`` has its section of the configuration, and
 ``study.py`` has a constant ``EXPERIMENT``.
