@@ -216,7 +216,10 @@ _VALUES = ["value", "low", "high"]
 
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each condition and variant; copies of walls only by the stated variant."""
+    """Make a job for each condition and variant.
+
+    The stated variant closes all `COPIES` of the walls, others only the walls as they are.
+    """
     section = study.section(AssessmentSection)
     jobs = {}
     for number, case in enumerate(_conditions(study, section)):

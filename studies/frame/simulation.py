@@ -138,7 +138,7 @@ def _described(row: Row, again: str) -> str:
 def under_chosen(point: Point, pilot: xr.Dataset) -> tuple[Point, dict[str, Row]]:
     """Return a point with the effects that were chosen for its rock, and joints simulated already.
 
-    ``pilot`` is the dataset of `choose_effects`, whose joints are those of one case. They are
+    ``pilot`` is the dataset of `choose_rock_effects`, whose joints are those of one case. They are
     returned as rows by seed if the point is of this case; for other cases there are none.
     """
     effects = Effects(**json.loads(pilot.attrs["chosen"])["effects"])

@@ -214,7 +214,7 @@ def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> 
 
 
 def _properties(sampling: Sampling, rock: str) -> list[tuple[int, str, Input]]:
-    """Return place, name and input of each property of the rock that has elasticities."""
+    """Return place, name and input of each varied property with positive values in a rock."""
     return [
         (place, name, one)
         for place, (name, one) in enumerate(sampling.inputs.items())

@@ -257,7 +257,7 @@ def _evaluated(
     entries: list[Entry],
     observed: np.ndarray,
 ) -> _Evaluated:
-    """Evaluate the published entries with all sets of repetitions."""
+    """Compute the likelihoods of the published lengths under all sets of repetitions."""
     (lengths, *resampled), further, again = (
         _tables(sets, entries) for sets in (drawn, twice, same)
     )

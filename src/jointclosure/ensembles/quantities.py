@@ -81,7 +81,10 @@ def _history(
     symbol: str = "",
     rule: Callable[[SimulatedJoint], Any] | None = None,
 ) -> Quantity:
-    """Make a quantity of a variable of a history, read as it is or by another rule."""
+    """Make a quantity with the title and unit of a variable of a history, read by ``rule``.
+
+    By default it is the variable itself.
+    """
     further = dict(ATTRIBUTES[name])
     title = further.pop("long_name")
     unit = further.pop("units", "1")

@@ -71,7 +71,7 @@ class Fit(NamedTuple):
     closure_error: float  # relative
     curve: MeasuredCurve
     scanned: bool
-    numerical: Mapping[str, tuple[float, float]]  # as from `Joints.numerical_changes`
+    numerical: Mapping[str, tuple[float, float]]  # as from `ComparisonJoints.numerical_changes`
 
     @property
     def interval_holds(self) -> bool:

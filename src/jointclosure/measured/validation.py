@@ -50,7 +50,7 @@ NEITHER = "neither"  # name of loadings without a mechanism between them
 class Mechanism(NamedTuple):
     """Mechanism that may act between the first loading and later ones."""
 
-    field: str  # of `Later`
+    field: str  # of `LaterLoading`
     none: float  # value of the field without the mechanism
     constant: str  # name of the field in words
     unit: str
@@ -77,17 +77,19 @@ class Region(NamedTuple):
     measured: Readings
     curve: MeasuredCurve
     compared: dict[LaterLoading, Likelihood]
-    closures: np.ndarray  # [m] since seating, net, of axes as from `Joints.closures`
+    closures: np.ndarray  # [m] since seating, net, of axes as from `ComparisonJoints.closures`
     stresses: np.ndarray  # [Pa]
     error: float  # relative, of measured and simulated closures
     assumed: str
     scanned: bool
     left_out: list[str]  # sentences
-    numerical: Mapping[str, tuple[float, float]] = {}  # as from `Joints.numerical_changes`
+    numerical: Mapping[
+        str, tuple[float, float]
+    ] = {}  # as from `ComparisonJoints.numerical_changes`
     reading: Sequence[str] = ()  # sentences on how the curve was read
 
     def joints_of(self, mechanism: str) -> dict[LaterLoading, Likelihood]:
-        """Return the likelihoods of a mechanism by its constant, first that without a mechanism."""
+        """Return the likelihoods without a mechanism (first), and of each constant of one."""
         wanted = NEITHER, mechanism
         return {
             later: self.compared[later] for later in self.compared if mechanism_of(later) in wanted

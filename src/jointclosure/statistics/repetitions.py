@@ -227,7 +227,7 @@ def length_distribution(lengths: np.ndarray) -> LengthDistribution:
 
 
 def two_sided_p(lengths: np.ndarray, observed: float) -> float:
-    """Compute the two-sided mid-p value of a published length."""
+    """Compute the two-sided mid-p value of a published length among lengths (R,); NaN is a dash."""
     observed = np.inf if np.isnan(observed) else observed
     shorter = np.count_nonzero(lengths < observed)
     equal = np.count_nonzero(lengths == observed)

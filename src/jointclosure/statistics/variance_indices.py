@@ -154,7 +154,10 @@ class Indices(NamedTuple):
 
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
-    """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each."""
+    """Return Saltelli's design (rows, inputs + 2, inputs) of scrambled Sobol points.
+
+    A row has the points A and B, and for each input the point A with this input taken from B.
+    """
     a, b = _sobol_points(2 * inputs, rows, seed).reshape(rows, 2, inputs).swapaxes(0, 1)
     points = np.repeat(a[:, None, :], inputs + 2, axis=1)
     points[:, 1] = b

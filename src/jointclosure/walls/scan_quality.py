@@ -338,7 +338,10 @@ def resolution_remarks(
 
 
 def lost_waves(wave: float, spacing: float) -> Caution:
-    """Return the caution about a scan without waves below a length [m], for a grid spacing [m]."""
+    """Return the caution about a scan that lacks waves shorter than a length [m].
+
+    It states which waves the grid of this spacing [m] has.
+    """
     return caution(
         f"the scan holds nothing below a wavelength of about {1e3 * wave:.3g} mm, as it was "
         "filtered or interpolated: its third differences grow faster with distance than those of "
