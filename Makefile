@@ -66,7 +66,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-WITHOUT_KERNELS := tests/statistics tests/storage tests/package studies/paper studies/frame/test_sources.py
+WITHOUT_KERNELS := tests/statistics tests/storage tests/package studies/paper studies/frame/test_code_digests.py
 
 .PHONY: help setup setup-slurm study smoke report hard-cases assess mismatch global-sensitivity estimate conclusions test test-all lint docs publish coverage mutants wheel lock clean size misalignment measured-joints
 

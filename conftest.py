@@ -7,7 +7,7 @@ import hypothesis
 import pytest
 
 import jointclosure as jc
-from jointclosure.assessment import selection
+from jointclosure.assessment import effect_selection
 from tests.joints import SPACING
 
 hypothesis.settings.register_profile("default", deadline=None, max_examples=60)
@@ -38,5 +38,5 @@ def times_by_effects(monkeypatch):
         joint = measured(walls, conditions)
         return dataclasses.replace(joint, seconds=1.0 + sum(conditions.effects))
 
-    measured = selection.simulated_joint
-    monkeypatch.setattr(selection, "simulated_joint", closed_in)
+    measured = effect_selection.simulated_joint
+    monkeypatch.setattr(effect_selection, "simulated_joint", closed_in)

@@ -20,7 +20,7 @@ from effects_auto import SPACING, continued, options, scene, write_summary
 
 import jointclosure as jc
 from jointclosure.assessment.assess import FINEST, JUDGED
-from jointclosure.ensembles.joints import Reading, Row, simulate_row, stacked
+from jointclosure.ensembles.simulation import Reading, Row, simulate_row, stack_rows
 from jointclosure.statistics.randomness import seed_of
 from studies.frame.keys import Accuracy
 from studies.paper.accuracy import START, Counts, next_counts, reached_table
@@ -52,7 +52,7 @@ class Joints:
                 pair = jc.wall_pair(spacing=SPACING, seed=seed, **self.walls)
                 rows.append(simulate_row(pair, reading))
             numbers = np.arange(count)
-            case = stacked(rows[:count], numbers, numbers, reading).expand_dims("case")
+            case = stack_rows(rows[:count], numbers, numbers, reading).expand_dims("case")
             about = {key: ("case", ["base"]) for key in ("rock", "parameter", "level")}
             levels.append(case.assign_coords(about))
         return levels

@@ -29,7 +29,7 @@ from scipy.optimize import minimize
 
 import jointclosure as jc
 from jointclosure.assessment.assess import ASSESSED, JUDGED
-from jointclosure.assessment.selection import (
+from jointclosure.assessment.effect_selection import (
     LONGER,
     MOST_PAIRS,
     Pilot,

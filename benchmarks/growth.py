@@ -28,8 +28,8 @@ import jointclosure as jc
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.walls.synthesis import ROLL_OFF
-from studies.frame.closing import close_joints
 from studies.frame.settings import Point
+from studies.frame.simulation import close_joints
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {

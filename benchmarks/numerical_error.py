@@ -29,7 +29,7 @@ import scipy
 from effects_auto import SPACING, scene
 
 import jointclosure as jc
-from jointclosure.ensembles.joints import Reading, simulate_row
+from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
@@ -37,8 +37,8 @@ from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.numerical_error import (
     NOT_STABLE,
+    log_scatter,
     numerical_error,
-    scatter_of,
 )
 from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
 from jointclosure.uncertainty.sources import coarser
@@ -102,13 +102,12 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
             values = by_setting[name]
             value = values[1.0].iloc[0]
             true = values[TRUE].iloc[0]
-            every = [value, *values[2.0]]
-            scatter = scatter_of(every)
+            scatter = log_scatter([value, *values[2.0]])
             apart = np.log(true / value)
             seconds = by_setting.seconds
             rows.append({
                 "joint": number, "quantity": title, "cycle": cycle,
-                "stated": numerical_error(every, jump, column, int(cycle)),
+                "stated": numerical_error(scatter, jump, column, int(cycle)),
                 "true": np.expm1(abs(apart)),
                 "jump": jump, "scatter": scatter, "apart": apart,
                 "not_stable": scatter > NOT_STABLE,

@@ -28,7 +28,7 @@ import pandas as pd
 from strength_bound import MATED, NAMES, SPACING, joint_of
 
 import jointclosure as jc
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.provenance import write_origin

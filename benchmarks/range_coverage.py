@@ -40,7 +40,7 @@ from jointclosure.uncertainty.results import CLOSURE_NET, CONTACT, KNI, STIFFNES
 from jointclosure.uncertainty.scanned_joint import ClosedJoint
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, sources_of
 from jointclosure.uncertainty.variants import Variant, variants_of
-from jointclosure.walls.gridding import paper_spacing
+from jointclosure.walls.gridding import usual_grid_spacing
 
 RESULTS = (CLOSURE_NET, STIFFNESS, KNI, VM, "mean_aperture_at_max_mm", CONTACT)
 """Results of a cycle whose ranges are judged."""
@@ -57,7 +57,7 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
     """Return the arguments of a pair's `Truth`, its rock and its maximum stress [Pa]."""
     random = generator(seed_of(59, "coverage", number))
     cell = 1e-3 * random.choice([0.125, 0.25, 0.25, 0.3])
-    cells = int(random.integers(32, 47)) * round(paper_spacing(cell) / cell)
+    cells = int(random.integers(32, 47)) * round(usual_grid_spacing(cell) / cell)
     stated = {
         "cell": cell, "cells": cells, "cloud": False, "over": False,
         "rotation": random.uniform(-7.0, 7.0), "tilt": random.uniform(0.0, 3.0),
@@ -88,7 +88,7 @@ def closed(number: int) -> tuple[Truth, ClosedJoint]:
         warnings.simplefilter("ignore")
         joint = jc.close(
             *truth.scans(), rock=rock, max_normal_stress=stress, flow=True, workers=1,
-            spacing=paper_spacing(truth.cell), orientation="common_frame", shift=shift,
+            spacing=usual_grid_spacing(truth.cell), orientation="common_frame", shift=shift,
         )  # fmt: skip
     return truth, joint
 

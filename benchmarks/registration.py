@@ -25,9 +25,9 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
-from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, points_of
+from jointclosure.walls.gridding import Cloud, Scan, points_of, usual_grid_spacing
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import RegisteredPair, registered
-from jointclosure.walls.roughness import detrended
 
 RATIOS = {
     "closure": "ratio",
@@ -147,7 +147,7 @@ def compared(number: int, close: bool) -> dict[str, float]:
     truth = Truth(number)
     scans = truth.scans()
     start = time.process_time()
-    pair = registered(*scans, paper_spacing(truth.cell))
+    pair = registered(*scans, usual_grid_spacing(truth.cell))
     seconds = time.process_time() - start
     assert pair.mated is not None
     angle, shift, errors = truth.errors(pair.mated)

@@ -31,9 +31,10 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
-from jointclosure.walls.gridding import Cloud, Scan, filled, point_distance, wall_on_grid
+from jointclosure.walls.gridding import Cloud, Scan, point_distance, wall_on_grid
+from jointclosure.walls.missing_heights import filled
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import registered
-from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_quality import resolution_remarks
 

@@ -22,10 +22,11 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.ensembles.joints import Reading, simulate_row
+from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.rocks import ROCKS
-from jointclosure.statistics.standard_errors import mean_of, rounded
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.uncertainty.variants import COPIES

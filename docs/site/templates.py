@@ -16,7 +16,7 @@ import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from jointclosure.ensembles.quantities import HEADINGS, QUANTITIES
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.verdicts import frequency
 from jointclosure.storage.files import read_csv
 

@@ -188,9 +188,9 @@ def forces_of_overlaps(overlap, compliance, substrate):
 
 
 def slopes_of_forces(force, compliance, substrate):
-    """Compute the slope of the contact law dF/d(delta_S) (n,) [N/m] at forces (n,), for the oracle.
+    """Compute the slopes dF/d(delta_S) (n,) [N/m] of the contact law at forces (n,) [N].
 
-    It is 0 at forces of 0 and at infinite ones.
+    They are 0 at forces of 0 and at infinite ones.
     """
     root = np.cbrt(np.where(np.isinf(force), 0.0, force))
     slope = np.zeros(root.size)

@@ -35,7 +35,7 @@ class AssessmentSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate stresses that are not above the seating stress."""
+        """Generate an error message for each stress that is not above the seating stress."""
         for stress in self.stress:
             if stress <= configuration.seating_stress:
                 yield (

@@ -34,16 +34,16 @@ from jointclosure.plotting.style import (
 from jointclosure.storage.files import read_csv
 from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
-from studies.assessment.larger import base_conditions
+from studies.assessment.larger_assessment import base_conditions
 from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, settings_of
 from studies.frame.panels import key, legend_below, point_key
-from studies.frame.points import Experiment, Tables, settings_of
+from studies.frame.scanned_walls import cut_walls, walls_of_files
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
 from studies.frame.tables import grouped
-from studies.frame.walls import cut_walls, walls_of_files
-from studies.paper.layout import figure_text
+from studies.paper.tables_1_to_3 import figure_text
 
 _COLUMNS = 2
 """Largest number of panels in a row."""
@@ -216,7 +216,10 @@ _VALUES = ["value", "low", "high"]
 
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each condition and variant; copies of walls only by the stated variant."""
+    """Make a job for each condition and variant.
+
+    The stated variant closes all `COPIES` of the walls, others only the walls as they are.
+    """
     section = study.section(AssessmentSection)
     jobs = {}
     for number, case in enumerate(_conditions(study, section)):

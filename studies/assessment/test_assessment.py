@@ -2,10 +2,11 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 import jointclosure as jc
 from jointclosure.assessment.assess import COPIES, JUDGED, LADDER
-from studies.assessment.larger import BaseCondition, base_conditions
+from studies.assessment.larger_assessment import BaseCondition, base_conditions
 from studies.assessment.study import (
     EXPERIMENT,
     draw_assessment_effects,
@@ -15,8 +16,8 @@ from studies.assessment.study import (
     tabulate_assessment,
 )
 from studies.conftest import points_of, tables_of
-from studies.frame.closing import close_points
 from studies.frame.settings import walls_of
+from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
 from tests.studied import ROOT, study_of, tiny
@@ -40,11 +41,19 @@ def test_joints_are_those_of_assess_with_the_same_walls(jobs, tables):
     assert found.sentences[0] in tables["assessment.md"]
 
 
-def test_the_table_has_the_number_of_joints_and_the_key_of_base_cases(study, joints):
+@pytest.fixture(scope="module")
+def table(study, joints):
+    """The table, with the condition at 1 MPa as that of the base case."""
     base = BaseCondition(base_conditions(study)["slate"].jrc, 1.0, "key")
     settings = EXPERIMENT.settings(study) | {"base_conditions": {"slate": base}}
-    table = tabulate_assessment(joints, settings)
+    return tabulate_assessment(joints, settings)
+
+
+def test_the_table_has_the_number_of_joints(table):
     assert set(table.joints) == {2}
+
+
+def test_only_conditions_of_base_cases_have_their_key(table):
     keys = table.groupby("stress_MPa").study_key.unique()
     assert (list(keys[1.0]), list(keys[5.0])) == (["key"], [""])
 
@@ -83,22 +92,32 @@ def test_errors_are_drawn_with_their_95_percent_intervals(tables):
         assert axes.get_ylim()[1] > shown.high_percent.max()
 
 
-def test_rocks_have_panels_of_their_own_and_verdicts_marks(tables):
+@pytest.fixture(scope="module")
+def two_rocks(tables):
+    """Figure of the hardness of two rocks, and entries of its legend by label."""
     hardness = tables["hardness"].assign(verdict="easy")
     other = hardness.assign(rock="dolerite", verdict="hard")
     titles = {"slate": "A slate", "dolerite": "A dolerite"}
     figure = draw_assessment_hardness(
         {"hardness": pd.concat([hardness, other])}, {"within": 0.05, "titles": titles}
     )
-    handles = {one.get_label(): one for one in figure.legends[0].legend_handles}
-    assert "not stable" not in handles  # as no joint has this verdict
+    return figure, {one.get_label(): one for one in figure.legends[0].legend_handles}
+
+
+def test_the_legend_has_the_verdicts_that_joints_have(two_rocks):
+    _, handles = two_rocks
+    assert "not stable" not in handles
     assert handles["easy"].get_markerfacecolor() != handles["hard"].get_markerfacecolor()
+
+
+def test_each_rock_has_panels_with_its_joints_marked_by_verdict(two_rocks, tables):
+    figure, handles = two_rocks
     panels = list(zip(figure.axes, ["A slate"] * 2 + ["A dolerite"] * 2, strict=True))
     for axes, title in panels:
         verdict = "easy" if title == "A slate" else "hard"
         _, drawn, *_ = axes.lines
         assert axes.get_title() == title
-        assert len(drawn.get_xdata()) == len(hardness)
+        assert len(drawn.get_xdata()) == len(tables["hardness"])
         assert drawn.get_markerfacecolor() == handles[verdict].get_markerfacecolor()
 
 

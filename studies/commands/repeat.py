@@ -18,11 +18,11 @@ from jointclosure.walls import Walls
 from studies.commands import existing
 from studies.commands.compare import differences
 from studies.frame.cases import cases_of, ensembles_of
-from studies.frame.closing import close_joints, under_chosen
 from studies.frame.configuration import Configuration, resolved
-from studies.frame.points import case_point
+from studies.frame.experiments import case_point
+from studies.frame.scanned_walls import cut_walls
 from studies.frame.settings import Point, walls_of
-from studies.frame.walls import cut_walls
+from studies.frame.simulation import close_joints, under_chosen
 
 
 def declare(command: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
-from jointclosure.walls.roughness import relation_of
+from jointclosure.walls.jrc import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of
 from studies.frame import keys
 from studies.frame.keys import entry

@@ -155,8 +155,8 @@ def write_ensemble(
 def chosen_effects(files: Iterable[str], keys: Mapping[str, str]) -> str:
     """Return the effects that were chosen for each rock as JSON.
 
-    ``files`` are those of `choose_effects`, named by rock; ``keys`` are the keys of the files by
-    rock. Errors are as for `read_checked`.
+    ``files`` are those of `choose_rock_effects`, named by rock; ``keys`` are the keys of the files
+    by rock. Errors are as for `read_checked`.
     """
     chosen = {}
     for file in files:

@@ -18,7 +18,7 @@ from pydantic_core import core_schema
 
 from jointclosure.parameters import PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
 from jointclosure.parameters.units import bounds_of, documented, name_and_unit, to_si
-from jointclosure.walls.roughness import RELATIONS
+from jointclosure.walls.jrc import RELATIONS
 from jointclosure.walls.synthesis import RULES
 from studies.frame.yaml_files import refuse, short
 
@@ -191,7 +191,7 @@ class Grid(Section):
 
 
 class SurfaceSynthesis(Section):
-    """How walls are made from a JRC."""
+    """Synthesis of random walls from a JRC: spectrum, Hurst exponent, mating and shift."""
 
     hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)
     jrc_relation: Literal[tuple(RELATIONS)] = entry(  # type: ignore[valid-type]

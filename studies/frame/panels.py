@@ -64,7 +64,7 @@ def _fitting(handles: Sequence[Artist], width: float) -> int:
     return 1
 
 
-def keys_of(panels: Iterable[Axes]) -> list[Artist]:
+def legend_keys(panels: Iterable[Axes]) -> list[Artist]:
     """Return one legend entry for each different label in the panels."""
     entries: dict[str, Artist] = {}
     for axes in panels:

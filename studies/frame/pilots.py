@@ -10,12 +10,12 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
-from jointclosure.assessment.selection import MOST_PAIRS, Pilot, choose_among
-from jointclosure.ensembles.joints import read_joint
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.assessment.effect_selection import MOST_PAIRS, Pilot, choose_among
+from jointclosure.ensembles.simulation import read_joint
+from jointclosure.statistics.number_texts import rounded
 from jointclosure.walls import Walls
-from studies.frame.closing import Report, close_points, joined_rows, reading_of
 from studies.frame.settings import BASE, Point, joints_of
+from studies.frame.simulation import Report, close_points, joined_rows, reading_of
 
 TRIED = 3
 """Largest number of points of a group of which a joint is simulated to estimate its time."""
@@ -45,7 +45,7 @@ def examined(points: Mapping[str, Point]) -> Choice:
     return Choice(points[min(points, key=order)], len(points), joints_of(points.values()))
 
 
-def choose_effects(
+def choose_rock_effects(
     choice: Choice,
     walls: Iterable[Walls],
     names: Iterable[str],

@@ -89,8 +89,8 @@ class ClosureSettings(NamedTuple):
 
     ``sha256`` has the digests of the files of scanned ``walls``. Other walls are made from seeds,
     which follow from ``root_seed`` and ``seeds_named_by``. The common stress axis has
-    ``stress_points`` from 0 to ``largest_stress``. Effects are chosen (`choose_effects`) to the
-    tolerance ``effects_chosen_to``; None: they are those of the case.
+    ``stress_points`` from 0 to ``largest_stress``. Effects are chosen (`choose_rock_effects`) to
+    the tolerance ``effects_chosen_to``; None: they are those of the case.
     """
 
     case: Case

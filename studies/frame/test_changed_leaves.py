@@ -15,7 +15,7 @@ import yaml
 
 from jointclosure.inputs import InputError
 from studies.frame.configuration import configured, merged_study
-from studies.frame.points import experiment_named
+from studies.frame.experiments import experiment_named
 from studies.frame.test_configuration import STUDIES
 from studies.frame.yaml_files import read_plain
 

@@ -12,15 +12,15 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.compilation.sources import PACKAGE
+from jointclosure.compilation.code_digests import PACKAGE
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.closing import close_points
 from studies.frame.configuration import resolved, sections, written_out
-from studies.frame.points import experiment_named
+from studies.frame.experiments import experiment_named
 from studies.frame.settings import seeds_of
+from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
 from studies.frame.yaml_files import ConfigurationError, read_plain
 from tests.processes import python
@@ -76,7 +76,7 @@ import jointclosure as jc
 from jointclosure.cli.options import UNITS
 from jointclosure.joint.rocks import named_rock
 from studies.frame.cases import cases_of
-from studies.paper.layout import heading_of, rock_table
+from studies.paper.tables_1_to_3 import heading_of, rock_table
 from studies.verification.hard_case_keys import RockKeys
 from tests.studied import study_of
 

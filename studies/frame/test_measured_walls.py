@@ -9,11 +9,19 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.walls.gridding import Scan
-from jointclosure.walls.roughness import detrended, rms_slope
+from jointclosure.walls.jrc import rms_slope
+from jointclosure.walls.planes import detrended
 from studies.frame.cases import block_settings, cases_of, wall_name
 from studies.frame.keys import Grid
 from studies.frame.rocks import check_files
-from studies.frame.walls import Cutter, cut_walls, described, prepare_walls, prepared_walls, windows
+from studies.frame.scanned_walls import (
+    Cutter,
+    cut_walls,
+    described,
+    prepare_walls,
+    prepared_walls,
+    windows,
+)
 from studies.frame.yaml_files import ConfigurationError
 from tests.joints import SPACING
 from tests.studied import study_of

@@ -9,13 +9,13 @@ import jointclosure as jc
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.walls.gridding import Scan
-from studies.frame import closing
+from studies.frame import simulation
 from studies.frame.cases import cases_of
-from studies.frame.closing import close_joints, under_chosen
-from studies.frame.pilots import choose_effects, examined
-from studies.frame.points import case_point
+from studies.frame.experiments import case_point
+from studies.frame.pilots import choose_rock_effects, examined
+from studies.frame.scanned_walls import cut_walls, prepared_walls
 from studies.frame.settings import walls_of
-from studies.frame.walls import cut_walls, prepared_walls
+from studies.frame.simulation import close_joints, under_chosen
 from tests.joints import SPACING
 from tests.studied import study_of
 
@@ -47,7 +47,7 @@ def chosen_to(tolerance, **changes):
     """Return the dataset of chosen effects of a rock, and the points of its cases."""
     points = points_to(tolerance, **changes)
     choice = examined(points)
-    return choose_effects(choice, walls_of(choice.point.settings), NAMES), points
+    return choose_rock_effects(choice, walls_of(choice.point.settings), NAMES), points
 
 
 def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_strength():
@@ -87,14 +87,16 @@ def test_joints_of_a_pilot_are_taken_instead_of_closed_again(
 ):
     (label, point), *_ = points_to(tolerance, **rock).items()
     walls = list(cut_scan(point.settings) if rock else walls_of(point.settings))
-    write_netcdf(choose_effects(examined({label: point}), walls, NAMES), tmp_path / "pilot.nc")
+    write_netcdf(choose_rock_effects(examined({label: point}), walls, NAMES), tmp_path / "pilot.nc")
     pilot = read_netcdf(tmp_path / "pilot.nc")
     under, known = under_chosen(point, pilot)
     assert (under.settings.conditions.effects == jc.Effects()) is (tolerance < 0.5)
     plain = close_joints(under, walls, NAMES)
     closed = []
-    close = closing.simulate_row
-    monkeypatch.setattr(closing, "simulate_row", lambda *given: closed.append(1) or close(*given))
+    close = simulation.simulate_row
+    monkeypatch.setattr(
+        simulation, "simulate_row", lambda *given: closed.append(1) or close(*given)
+    )
     taken = close_joints(under, walls, NAMES, closed=known)
     assert len(closed) == 4 - pilot.sizes["joint"] < 4
     assert taken.drop_vars(TIMES).identical(plain.drop_vars(TIMES))

@@ -11,22 +11,22 @@ from matplotlib.figure import Figure
 from jointclosure.ensembles.quantities import titles_of_cycles
 from jointclosure.plotting.style import styled, subplots
 from studies.frame.configuration import Configuration
-from studies.frame.panels import PanelColumn, Row, keys_of, legend_below, panels, point_key
-from studies.frame.points import Experiment, Jobs, Tables
+from studies.frame.experiments import Experiment, Jobs, Tables
+from studies.frame.panels import PanelColumn, Row, legend_below, legend_keys, panels, point_key
 from studies.frame.settings import Point
 from studies.global_sensitivity.design import (
     check_sampling,
     sampling_of,
     settings_of_rock,
 )
-from studies.global_sensitivity.table import (
+from studies.global_sensitivity.tables import (
     QUANTITIES,
-    by_rock,
     conclusion_tables,
-    elasticity_table,
+    datasets_by_rock,
+    global_elasticity_table,
     index_table,
 )
-from studies.paper.layout import figure_text
+from studies.paper.tables_1_to_3 import figure_text
 
 
 def global_sensitivity_jobs(study: Configuration) -> Jobs:
@@ -46,22 +46,22 @@ def global_sensitivity_jobs(study: Configuration) -> Jobs:
 
 def tabulate_indices(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute first and total indices and Shapley effects of every input."""
-    return index_table(settings["sampling"], by_rock(joints))
+    return index_table(settings["sampling"], datasets_by_rock(joints))
 
 
 def tabulate_elasticities(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Fit the elasticities of closures with respect to the inputs."""
-    return elasticity_table(settings["sampling"], by_rock(joints))
+    return global_elasticity_table(settings["sampling"], datasets_by_rock(joints))
 
 
 def tabulate_conclusions(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute the share of the open choices for which each conclusion holds."""
-    return conclusion_tables(settings["sampling"], by_rock(joints))[0]
+    return conclusion_tables(settings["sampling"], datasets_by_rock(joints))[0]
 
 
 def tabulate_margins(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute the shares of inputs in the variance of the margins of conclusions."""
-    return conclusion_tables(settings["sampling"], by_rock(joints))[1]
+    return conclusion_tables(settings["sampling"], datasets_by_rock(joints))[1]
 
 
 _SURFACES = "surfaces"
@@ -189,7 +189,7 @@ def conclusion_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         axes.grid(axis="y", lw=0.3)
     for axes in grid[-1]:
         axes.set_xlabel("share of combinations (%)")
-    legend_below(figure, keys_of(grid.flat[:1]))
+    legend_below(figure, legend_keys(grid.flat[:1]))
     return figure
 
 

@@ -7,11 +7,11 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.parameters.units import to_si
 from studies.frame.cases import base_case, block_settings
-from studies.frame.closing import close_points
 from studies.frame.configuration import configured, merged
+from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
-from studies.global_sensitivity import table as sensitivity
+from studies.global_sensitivity import tables as sensitivity
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
 from tests.studied import ROOT, study_of, tiny
 
@@ -78,7 +78,7 @@ def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
 
 
 def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, design):
-    table = sensitivity.elasticity_table(design, world)
+    table = sensitivity.global_elasticity_table(design, world)
     for row in table.itertuples():
         truth = ELASTICITIES.get(row.input, 0.0)
         # surfaces are noise of a row, which changes within a row do not have
@@ -147,10 +147,10 @@ def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design)
     random = np.random.default_rng(5)
     noise = np.exp(0.01 * random.standard_normal(world["slate"].max_closure.shape))
     noisy = {n: each.assign(max_closure=noise * each.max_closure) for n, each in world.items()}
-    fits = sensitivity.elasticity_table(design, noisy)
+    fits = sensitivity.global_elasticity_table(design, noisy)
     fits = fits[fits.response == "max_closure"]
     assert fits.fit_over_noise.between(0.4, 2.0).all()
-    missed = sensitivity.elasticity_table(design, mixed(noisy, design, 0.5))
+    missed = sensitivity.global_elasticity_table(design, mixed(noisy, design, 0.5))
     of_modulus = missed[(missed.response == "max_closure") & (missed.input == "youngs_modulus")]
     assert (of_modulus.fit_over_noise > 2.0).all()
 
@@ -185,7 +185,7 @@ def of_one_row(jobs):
     """Joints of the points of a row as a table, and on a grid."""
     points = [point for point in jobs["slate.0"] if point.coordinates["row"] == 2]
     joints = as_table([close_points(points, sensitivity.QUANTITIES)])
-    return joints, sensitivity.by_rock(joints)["slate"]
+    return joints, sensitivity.datasets_by_rock(joints)["slate"]
 
 
 def test_joints_of_points_are_put_on_a_grid(of_one_row):

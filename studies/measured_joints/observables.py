@@ -19,7 +19,7 @@ import scipy
 
 from jointclosure.ensembles.quantities import heading
 from jointclosure.joint.status import FAILURE
-from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
+from jointclosure.measured.likelihood import Likelihood, Readings, likelihood_of
 from jointclosure.statistics.chance import chance_of_scores
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE

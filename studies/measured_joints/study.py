@@ -16,13 +16,13 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.ensembles.joints import simulated_joint
+from jointclosure.ensembles.simulation import simulated_joint
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import decimal_ticks, styled, subplots, ticks_at
 from jointclosure.walls import CrushedWalls, shifted
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, at_wavelengths
 from studies.frame.panels import key, point_key
-from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.measured_joints.observables import (
     AGREES,

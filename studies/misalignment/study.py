@@ -16,7 +16,8 @@ from jointclosure.ensembles.quantities import QUANTITIES, titles_of_cycles
 from jointclosure.inputs import InputError
 from jointclosure.statistics.standard_errors import ratio_of_means
 from jointclosure.walls import Walls
-from jointclosure.walls.roughness import detrended, z2_of_jrc
+from jointclosure.walls.jrc import z2_of_jrc
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.synthesis import (
     Spectrum,
     gaussian_field,
@@ -26,8 +27,8 @@ from jointclosure.walls.synthesis import (
     wave_numbers,
 )
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, at_wavelengths
 from studies.frame.panels import PanelColumn, Row, panels
-from studies.frame.points import Experiment, Tables, at_wavelengths
 from studies.frame.settings import ClosureSettings, Point, seeds_of
 from studies.frame.tables import grouped, mean_shown
 from studies.misalignment.section import MisalignmentSection
@@ -146,7 +147,7 @@ def misalignment_jobs(study: Configuration) -> dict[str, list[Point]]:
     }
 
 
-def summary(
+def mean_changes(
     joints: pd.DataFrame, by: Sequence[str], names: Sequence[str], reference: Mapping[str, Any]
 ) -> pd.DataFrame:
     """Tabulate means over surfaces, and their changes [%] from a reference on the same surfaces.
@@ -179,7 +180,7 @@ def summary(
 def tabulate_misalignment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Compute means over surfaces, and their changes from aligned walls."""
     by = ("rock", "wavelength", "tilt", "rotation")
-    table = summary(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
+    table = mean_changes(joints, by, READ, {"tilt": 0.0, "rotation": 0.0})
     return table[(table.response != "residual_closure_seated_net") | (table.cycle == 1)]
 
 

@@ -5,11 +5,12 @@ import pandas as pd
 import pytest
 
 from jointclosure.inputs import InputError
-from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import rms_slope, z2_of_jrc
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.synthesis import spectrum_of, wall_pair
 from studies.frame.settings import seeds_of
 from studies.frame.tables import gridded
-from studies.misalignment.study import EXPERIMENT, rotated_pair, summary, tilted
+from studies.misalignment.study import EXPERIMENT, mean_changes, rotated_pair, tilted
 from tests.joints import SPACING
 
 
@@ -115,7 +116,7 @@ def test_a_change_is_of_the_surfaces_that_closed_both_ways():
         for tilt, values in ((0.0, (1.0, 2.0, 4.0, np.nan)), (1.0, (1.5, 3.0, np.nan, 9.0)))
         for i, value in enumerate(values)
     ]
-    table = summary(pd.DataFrame(rows), ["tilt"], ["max_closure"], {"tilt": 0.0})
+    table = mean_changes(pd.DataFrame(rows), ["tilt"], ["max_closure"], {"tilt": 0.0})
     changed = table.iloc[1]
     assert changed.samples == 2
     assert changed.change_percent == pytest.approx(50.0)

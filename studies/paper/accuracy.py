@@ -48,7 +48,7 @@ START = Counts(BLOCK, FEWEST)
 """Counts with which `make study` starts."""
 
 
-class Estimate(NamedTuple):
+class TwoLevelEstimate(NamedTuple):
     """Result by two levels with its interval, and the result of the ``study``'s numerics alone.
 
     The others are relative to the result. ``half_width`` is that of the interval, infinite if it is
@@ -101,7 +101,7 @@ def reached_table(
 
 
 def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Iterator[tuple]:
-    """Generate coordinates, `Counts`, case and `Estimate` of the mean of each quantity ``names``.
+    """Generate coordinates, `Counts`, case and `TwoLevelEstimate` of the mean of each quantity.
 
     There is one for each case and cycle. Means of stiffnesses are harmonic.
     """
@@ -137,8 +137,12 @@ def _in_shown_unit(value: float, scale: float, harmonic: bool) -> float:
     return scale / value if harmonic else scale * value
 
 
-def _mean(cheap: np.ndarray, fine: np.ndarray) -> Estimate:
-    """Estimate the mean of n surfaces, of which the first k have values by the finest numerics."""
+def _mean(cheap: np.ndarray, fine: np.ndarray) -> TwoLevelEstimate:
+    """Estimate a mean by two levels, see `two_level_mean`.
+
+    ``cheap`` (n,) are values by the numerics of the study, ``fine`` (k,) those of the first k
+    surfaces by the finest numerics.
+    """
     if fine.size < 2:
         return _UNKNOWN
     differences = fine - cheap[: fine.size]
@@ -146,14 +150,16 @@ def _mean(cheap: np.ndarray, fine: np.ndarray) -> Estimate:
     size = abs(mean.value)
     spread = [float(np.std(values, ddof=1)) / size for values in (cheap, differences, fine)]
     half = 0.5 * (mean.high - mean.low) / size
-    return Estimate(mean, float(cheap.mean()), half, (spread[0], spread[1]), spread[2])
+    return TwoLevelEstimate(mean, float(cheap.mean()), half, (spread[0], spread[1]), spread[2])
 
 
-_UNKNOWN = Estimate(Interval(*[math.nan] * 3), math.nan, math.inf, (math.inf, math.inf), math.inf)
+_UNKNOWN = TwoLevelEstimate(
+    Interval(*[math.nan] * 3), math.nan, math.inf, (math.inf, math.inf), math.inf
+)
 
 
 def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> Iterator[tuple]:
-    """Generate coordinates, `Counts`, cases and `Estimate` of indifference intervals.
+    """Generate coordinates, `Counts`, cases and `TwoLevelEstimate` of indifference intervals.
 
     Estimates are in percent of the rock's value. The logarithm of a length is linear in the
     surfaces to first order; their contributions to it are found by jackknife. The difference to the
@@ -178,7 +184,7 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
             )
             log = combined(whole + refined - same, [*zip(own, changed - unchanged, strict=True)])
             if math.isfinite(log.low):
-                estimate = Estimate(
+                estimate = TwoLevelEstimate(
                     Interval(*(scale * math.exp(end) for end in log)),
                     scale * math.exp(whole),
                     log.high - log.value,

@@ -1,4 +1,4 @@
-"""Checks of the results of an ensemble, and the table of its apertures."""
+"""Checks of the results of an ensemble, and the joints that have a remark."""
 
 import itertools
 import json
@@ -10,9 +10,10 @@ import xarray as xr
 
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import Numerics, scene_of
-from jointclosure.statistics.standard_errors import Estimate, jackknife_error, rounded
-from studies.frame.tables import over_stress, succeeded
-from studies.paper.closures import estimate_columns
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.statistics.standard_errors import Estimate, jackknife_error
+from studies.frame.tables import succeeded
+from studies.paper.closure_tables import estimate_columns
 from studies.paper.requirements import REPORTED
 
 CLOSURE = "max_closure_seated_net"
@@ -22,34 +23,6 @@ REMARKED = "simulations flagged"
 """Beginning of the names of checks that count joints with a remark."""
 FEWEST = 2
 """Smallest number of realisations of a case for which a standard deviation exists."""
-
-
-def flow_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate apertures [mm] of joints by case, cycle, branch, direction of flow and stress.
-
-    ``samples`` is the number of joints in the means, of which ``blocked`` have no flow. Joints for
-    which only bounds of the flow are known are left out; ``unknown`` is their number.
-    """
-    good = study.where(succeeded(study))
-    apertures = xr.Dataset(
-        {
-            "mean_aperture": 1e3 * good.mean_aperture.broadcast_like(good.hydraulic_aperture),
-            "hydraulic_aperture": 1e3 * good.hydraulic_aperture,
-            "ratio": good.hydraulic_aperture / good.mean_aperture,
-        }
-    )
-    reached = np.isfinite(apertures.mean_aperture)
-    known = np.isfinite(apertures.hydraulic_aperture) & reached
-    columns = {
-        "samples": known.sum("realization"),
-        "blocked": (apertures.hydraulic_aperture == 0.0).sum("realization"),
-        "unknown": (reached & ~known).sum("realization"),
-    }
-    for name, values in apertures.where(known).data_vars.items():
-        unit = "" if name == "ratio" else "_mm"
-        columns[f"{name}_mean{unit}"] = values.mean("realization")
-        columns[f"{name}_standard_deviation{unit}"] = values.std("realization", ddof=1)
-    return over_stress(columns, study.stress, ["case", "cycle", "branch", "direction"])
 
 
 REMARKS = {mask: name for mask, name in FLAGS.items() if mask < FAILURE}

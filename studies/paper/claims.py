@@ -187,7 +187,11 @@ def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
 def _ranked(
     number: str, text: str, parameter: str, finds: Callable, *pairs: tuple[str, str]
 ) -> ClosureStatement:
-    """Make the statement that closure is more sensitive to the first property of each pair."""
+    """Make the statement that closure is more sensitive to one property than to another.
+
+    Each of the ``pairs`` has the more sensitive property first. ``finds`` judges whether a study
+    confirms it from the lengths [%] of indifference intervals and the ``parameter``.
+    """
 
     def margins(model: Any, *at: Any) -> dict[str, Any]:
         size = {name: np.abs(model.elasticity(name, *at)) for name in PROPERTIES}
@@ -203,7 +207,7 @@ def _ranked(
 
 
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> ClosureStatement:
-    """Make the statement that sensitivity rises (sign 1) or falls (-1) from the cycle before."""
+    """Make the statement that a sensitivity rises (sign 1) or falls (-1) from cycle to cycle."""
 
     def margins(model: Any, cycle: int, variable: str) -> dict[str, Any]:
         before, here = (

@@ -55,7 +55,7 @@ def conclusion_table(
         Shares of studies that confirm the claims where JRC has a ``half_width``, and verdicts for
         readings of the paper.
     choices, margins : DataFrame, optional
-        Tables of `studies.global_sensitivity.table.conclusion_tables`.
+        Tables of `studies.global_sensitivity.tables.conclusion_tables`.
     """
     rows = []
     for claim in claims.itertuples():

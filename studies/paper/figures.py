@@ -24,13 +24,13 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.parameters.units import in_unit
 from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots, ticks_at
 from jointclosure.plotting.walls import FIRST_TOUCH, draw_field
-from jointclosure.statistics.standard_errors import percent
-from studies.frame.panels import key, keys_of, legend_below, point_key
+from jointclosure.statistics.number_texts import percent
+from studies.frame.panels import key, legend_below, legend_keys, point_key
 from studies.frame.rocks import StudyRock
 from studies.frame.tables import since_seating, succeeded
-from studies.paper.closures import CHANGE, FIT_COLUMNS, best_fits
-from studies.paper.histories import simulate_again
-from studies.paper.layout import UNPAIRED_TEST, figure_text, roughness_title, test_name
+from studies.paper.closure_tables import CHANGE, FIT_COLUMNS, best_fits
+from studies.paper.simulated_again import simulate_again
+from studies.paper.tables_1_to_3 import UNPAIRED_TEST, figure_text, roughness_title, test_name
 
 MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first are drawn."""
@@ -44,7 +44,7 @@ _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
 
 
 class Measurements(NamedTuple):
-    """Measured curves by rock, and the fits of `studies.paper.closures.fit_table`."""
+    """Measured curves by rock, and the fits of `studies.paper.closure_tables.fit_table`."""
 
     curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
     fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)
@@ -60,7 +60,7 @@ class Measurements(NamedTuple):
         return self.fits.best_realization.dropna().astype(int).tolist()
 
 
-def draw_measured(
+def draw_measured_curve(
     axes,
     measured: Measurements,
     rock: str,
@@ -282,7 +282,7 @@ def _draw_rock(
         fitted = ""
         closure_of = "gross closure since the start of the cycle (mm)"
     else:
-        fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
+        fitted = draw_measured_curve(axes, measured, name, base, seating_stress, cycles)
         closure_of = f"net closure since {1e-6 * seating_stress:g} MPa (mm)"
     axes.set(ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress), ylabel="normal stress (MPa)")
     axes.set_xlabel(closure_of)
@@ -588,7 +588,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     if paired:
         bar += " of the change from\nthe rock's value, on the same surfaces"
     handles = [
-        *keys_of([panels[cycles[0], parameters[0]]]),
+        *legend_keys([panels[cycles[0], parameters[0]]]),
         key("net of bulk indentation", color="0.4", ls="--", lw=1.0),
         point_key(bar, "|", color="0.4", ms=9),
     ]

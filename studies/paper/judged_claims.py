@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.cycles import loop_between
+from jointclosure.joint.cycle_results import loop_between
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic

@@ -5,9 +5,9 @@ import pandas as pd
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 from studies.paper.claims import OURS
 from studies.paper.conclusions import UNJUDGED
-from studies.paper.layout import markdown_rows, table_3
 from studies.paper.report.page import text
 from studies.paper.report.tables import concluded, probability
+from studies.paper.tables_1_to_3 import markdown_rows, table_3
 
 COLUMNS = ["number", "claim", "verdict", "found", "choices", "conclusion"]
 VERDICTS = {STANDS: "stand", FALLS: "fall", UNDECIDED: "undecided", NO_DIFFERENCE: "no difference"}

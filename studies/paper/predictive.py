@@ -14,8 +14,14 @@ from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.paper.claims import TARGET
-from studies.paper.closures import UNPAIRED
-from studies.paper.responses import RockSample, percent_of, rock_sample, rocks_of, sensitivities
+from studies.paper.closure_tables import UNPAIRED
+from studies.paper.responses import (
+    RockSample,
+    percent_of_value,
+    rock_sample,
+    rocks_of,
+    sensitivities,
+)
 
 Entry = tuple[str, str, int]
 """Rock, parameter, cycle."""
@@ -73,10 +79,10 @@ def predictive(
     again = stream("again")
     twice = []
     model = [drawn(pool, repetitions, stream("model"))]
-    null = [drawn(repeated.without_effect(pool), repetitions, stream("null"))]
+    null = [drawn(repeated.parameters_without_effect(pool), repetitions, stream("null"))]
     for sample in repeated.resampled_pools(pool, random, pools):
         model.append(drawn(sample, times, random))
-        null.append(drawn(repeated.without_effect(sample), times, random))
+        null.append(drawn(repeated.parameters_without_effect(sample), times, random))
         twice.append(drawn(sample, times, again))
     bases = {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles}
     sizes = {sample.rock: sample.values.shape[-1] for sample in samples}
@@ -114,7 +120,7 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
         ("percent", lengths.model[0], "length of the indifference interval"),
         ("null_percent", lengths.null[0], "the same where no parameter has an effect"),
     ):
-        rows = [percent_of(drawn[key], lengths.bases[key]) for key in keys]
+        rows = [percent_of_value(drawn[key], lengths.bases[key]) for key in keys]
         values = np.array(rows, dtype=np.float32) if rows else np.empty((0, 0), dtype=np.float32)
         about = {"long_name": f"{text}, of the rock's own value", "units": "percent"}
         variables[name] = (("entry", "repetition"), values, about)
@@ -127,10 +133,10 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
 
 
 def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate the distribution of each entry over repetitions, in the units of Table 1.
+    """Tabulate the distribution of each length of Table 3 over repetitions, in units of Table 1.
 
-    ``share_without_root`` and ``share_zero`` are the shares of repetitions with a length of
-    infinity and of 0. Entries of the paper have the probability of a length at least as extreme, by
+    ``share_without_root`` and ``share_zero`` are the shares of repetitions with an infinite length
+    and with one of 0. Lengths that the paper has get the probability of one at least as extreme, by
     the model and by the null model.
     """
     published = _published(paper)
@@ -146,7 +152,7 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         row |= {"test": UNPAIRED, "base": base / unit.size}
         row |= {"pool": lengths_of_studies.pool[rock], "repetitions": lengths.size}
         row |= {name: value / unit.size for name, value in summary.items()}
-        row["median_percent"] = percent_of(summary["median"], base)
+        row["median_percent"] = percent_of_value(summary["median"], base)
         row["median_error"] = _median_error(lengths) / unit.size
         row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
         resampled = [drawn[entry] for drawn in lengths_of_studies.model[1:]]
@@ -251,7 +257,7 @@ def _evaluated(
     entries: list[Entry],
     observed: np.ndarray,
 ) -> _Evaluated:
-    """Evaluate the published entries with all sets of repetitions."""
+    """Compute the likelihoods of the published lengths under all sets of repetitions."""
     (lengths, *resampled), further, again = (
         _tables(sets, entries) for sets in (drawn, twice, same)
     )

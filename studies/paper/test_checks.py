@@ -12,17 +12,18 @@ from jointclosure.joint.interpolation import crossing
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from studies.frame.cases import block_settings, cases_of, closed_keys
-from studies.frame.closing import close_joints
 from studies.frame.datasets import of_case
-from studies.frame.points import case_point
+from studies.frame.experiments import case_point
 from studies.frame.settings import walls_of
+from studies.frame.simulation import close_joints
 from studies.frame.tables import join_cases, since_seating
-from studies.frame.test_closing import NAMES, point_of
+from studies.frame.test_simulation import NAMES, point_of
 from studies.paper import figures
-from studies.paper.checks import change_without, check_results, flow_table, remarked_joints
-from studies.paper.closures import max_closure_table
-from studies.paper.histories import simulate_again
+from studies.paper.apertures import flow_table
+from studies.paper.checks import change_without, check_results, remarked_joints
+from studies.paper.closure_tables import max_closure_table
 from studies.paper.report.content import outcome, scanned_walls
+from studies.paper.simulated_again import simulate_again
 from tests.studied import keys_of, study_of
 
 TINY = {

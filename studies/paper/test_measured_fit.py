@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.measured.curves import MeasuredCurve
-from studies.paper.closures import best_fits, fit_table
+from studies.paper.closure_tables import best_fits, fit_table
 
 SEATING = 0.5e6
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics.number_texts import percent
 from jointclosure.statistics.repetitions import Design
-from jointclosure.statistics.standard_errors import percent
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.cases import (
@@ -16,7 +16,7 @@ from studies.frame.cases import (
 )
 from studies.frame.keys import Accuracy
 from studies.frame.yaml_files import PAPER_TABLE_3
-from studies.paper import closures
+from studies.paper import closure_tables
 from studies.paper.accuracy import reached_table
 from studies.paper.claims import TARGET
 from studies.paper.judged_claims import Evidence, judge_claims
@@ -58,7 +58,9 @@ def test_the_pool_has_common_surfaces_that_no_study_has():
 
 
 def indifference_of(*changes):
-    return closures.indifference_table(world(study_of(ONE, *changes)), study_of(ONE).statistics, 1)
+    return closure_tables.indifference_table(
+        world(study_of(ONE, *changes)), study_of(ONE).statistics, 1
+    )
 
 
 def test_independent_draws_have_the_published_test():
@@ -90,22 +92,26 @@ def many_levels():
 
 
 def test_more_than_three_levels_have_both_tests(many_levels):
-    table = closures.indifference_table(many_levels, study_of(ONE).statistics, 1)
+    table = closure_tables.indifference_table(many_levels, study_of(ONE).statistics, 1)
     one = table[(table.parameter == "youngs_modulus") & (table.cycle == 2)].iloc[0]
     assert np.isfinite([one.length, one.unpaired_length]).all()
 
 
 def test_a_kink_is_a_lack_of_fit(many_levels):
-    p = closures.correlation_table(many_levels).set_index(["parameter", "cycle"]).lack_of_fit_p
+    p = (
+        closure_tables.correlation_table(many_levels)
+        .set_index(["parameter", "cycle"])
+        .lack_of_fit_p
+    )
     assert np.isnan(p["jrc", 2])
     kinked = many_levels.copy(deep=True)
     kinked["max_closure"][(many_levels.youngs_modulus > 80e9).values] *= 1.03
-    worse = closures.correlation_table(kinked).set_index(["parameter", "cycle"]).lack_of_fit_p
+    worse = closure_tables.correlation_table(kinked).set_index(["parameter", "cycle"]).lack_of_fit_p
     assert worse["youngs_modulus", 2] < 1e-6 < p["youngs_modulus", 2]
 
 
 def test_elasticities_are_the_worlds_within_their_errors(pool):
-    table = closures.elasticity_table(pool)
+    table = closure_tables.elasticity_table(pool)
     assert table.paired.all()
     truth = [ELASTICITIES[row.cycle][row.parameter] for row in table.itertuples()]
     # a parabola through three levels of a power is off by some thousandths of it
@@ -165,7 +171,7 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert read_csv(tmp_path / "entries.csv").empty
     assert read_netcdf(tmp_path / "lengths.nc").sizes["entry"] == 0
     assert joint_table(found, PAPER).empty
-    assert closures.elasticity_table(study).empty
+    assert closure_tables.elasticity_table(study).empty
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}
@@ -194,10 +200,17 @@ def test_without_resampled_pools_errors_are_those_of_the_repetitions_alone():
     assert np.isnan(row.median_pool_error)
 
 
-def test_the_error_of_a_median_by_the_pool_is_the_deviation_over_pools_and_none_if_one_has_none():
-    lengths = 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+@pytest.fixture
+def lengths():
+    return 1e9 * np.random.default_rng(1).lognormal(1.0, 0.5, 400)
+
+
+def test_the_error_of_a_median_by_the_pool_is_the_deviation_over_pools(lengths):
     row = entry_of(lengths, *(factor * lengths for factor in (0.8, 1.0, 1.2)))
     assert row.median_pool_error == pytest.approx(0.2 * row["median"])
+
+
+def test_a_median_by_the_pool_has_no_error_if_one_pool_lacks_a_root(lengths):
     endless = np.where(np.arange(400) < 300, np.inf, lengths)
     assert np.isnan(entry_of(lengths, lengths, endless).median_pool_error)
     assert entry_of(endless).median_error == np.inf
@@ -226,7 +239,7 @@ def test_a_rock_whose_poisson_ratio_is_zero_has_lengths_and_no_percentages():
     configuration = study_of(ONE, {"rocks": {"dolerite": cork}})
     flat = {cycle: {} for cycle in (1, 2)}  # closures by no power of 0
     closed = world(configuration, flat)
-    table = closures.indifference_table(closed, configuration.statistics, 1)
+    table = closure_tables.indifference_table(closed, configuration.statistics, 1)
     assert np.isfinite(table.unpaired_length).any()
     assert table[["percent", "percent_net", "unpaired_percent"]].isna().all(axis=None)
     found = predictive(world(pool_of(configuration), flat), Design(), 200, 1, pools=2)
@@ -237,29 +250,29 @@ def test_a_rock_whose_poisson_ratio_is_zero_has_lengths_and_no_percentages():
     finest = closed.isel(realization=slice(9))
     accuracy = reached_table(closed, finest, Accuracy(within=0.5, of="interval"), 0.05)
     assert accuracy.value.isna().all()
-    assert closures.elasticity_table(closed).elasticity.isna().all()
+    assert closure_tables.elasticity_table(closed).elasticity.isna().all()
 
 
 def test_a_rock_of_which_one_joint_closed_or_all_by_nothing_has_a_mean_and_no_scatter():
     closed = world(study_of(ONE))
     lone = closed.copy(deep=True)
     lone.status[:, 1:] = 16
-    table = closures.max_closure_table(lone)
+    table = closure_tables.max_closure_table(lone)
     assert (table.samples == 1).all()
     name = "max_closure_mean_mm"
     np.testing.assert_allclose(table[name][:2], 1e3 * closed.max_closure.values[0, 0])
     assert table[[f"{name}_standard_error", "variation"]].isna().all(axis=None)
-    assert closures.correlation_table(lone).empty
+    assert closure_tables.correlation_table(lone).empty
     assert (
-        closures.indifference_table(lone, study_of(ONE).statistics, 1).status
+        closure_tables.indifference_table(lone, study_of(ONE).statistics, 1).status
         == "too few successful realisations"
     ).all()
     assert maximum_closures(lone) == []
     lone.status[:, 1] = 0
     assert len(maximum_closures(lone)) == 1
     common = world(study_of(ONE, COMMON)).isel(realization=slice(1))
-    change = closures.max_closure_table(common)[["max_closure_change_mm_standard_error"]]
+    change = closure_tables.max_closure_table(common)[["max_closure_change_mm_standard_error"]]
     assert change.isna().all(axis=None)
-    none = closures.max_closure_table(closed.assign(max_closure=0.0 * closed.max_closure))
+    none = closure_tables.max_closure_table(closed.assign(max_closure=0.0 * closed.max_closure))
     assert (none[name] == 0.0).all()
     assert none.variation.isna().all()

@@ -18,14 +18,16 @@ from matplotlib.figure import Figure
 from jointclosure.ensembles.quantities import COLUMNS, titles_of_cycles
 from jointclosure.joint.laws import barton_bandis, scaled_to
 from jointclosure.joint.status import FAILURE
-from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of, rounded
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.statistics.standard_errors import Estimate, jackknife_error, mean_of
 from jointclosure.walls import Walls
-from jointclosure.walls.roughness import detrended, rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import rms_slope, z2_of_jrc
+from jointclosure.walls.planes import detrended
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
+from studies.frame.experiments import Experiment, Tables, settings_of
 from studies.frame.keys import Grid
 from studies.frame.panels import PanelColumn, Row, panels
-from studies.frame.points import Experiment, Tables, settings_of
 from studies.frame.settings import ClosureSettings, Point, walls_of
 from studies.frame.tables import gridded
 from studies.size.section import SizeSection
@@ -62,14 +64,14 @@ NUMBERS: tuple[str, ...] = ("removed_percent", "removed_error", "left_percent")
 NUMBERS += ("largest_off_percent", "largest_off_error")
 
 
-def logs_of(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
+def mean_logs(run: xr.Dataset, name: str, cycle: int) -> xr.DataArray:
     """Compute logarithms of a quantity [SI], averaged over the patches of a wall; NaN if none."""
     values = run[name].sel(cycle=cycle) if "cycle" in run[name].dims else run[name]
     positive = values.where(values > 0.0)
     return positive.copy(data=np.log(positive.values)).mean("position")
 
 
-def stacked(
+def stack_conditions(
     run: xr.Dataset, roll_offs: Mapping[str, float | None], name: str, cycle: int
 ) -> xr.Dataset:
     """Stack logarithms over (condition, realization), of the realisations that have all of them.
@@ -79,7 +81,7 @@ def stacked(
     spectrum.
     """
     logs = {"response": name} | {of: of for of in GEOMETRY}
-    over = xr.Dataset({of: logs_of(run, one, cycle) for of, one in logs.items()})
+    over = xr.Dataset({of: mean_logs(run, one, cycle) for of, one in logs.items()})
     flat = over.stack(condition=("spectrum", "patch", "spacing"))  # noqa: PD013
     joints = flat.reset_index("condition").transpose("condition", "realization")
     joints = joints.dropna("condition", how="all", subset=["response"])
@@ -179,7 +181,7 @@ def collapse_table(
     rows = []
     for rock, run in runs.items():
         for reading, cycle in itertools.product(JUDGED, run.cycle.values.tolist()):
-            joints = stacked(run, roll_offs, reading, cycle)
+            joints = stack_conditions(run, roll_offs, reading, cycle)
             for between, scaling in itertools.product(BETWEEN, SCALINGS):
                 groups = (
                     joints.spectrum.values
@@ -355,7 +357,7 @@ def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.
             row |= {"failed": int((status >= FAILURE).sum()), "cycle": cycle}
             for name in (*READ, *GEOMETRY):
                 column, scale = COLUMNS[name]
-                logs = logs_of(run, name, cycle)
+                logs = mean_logs(run, name, cycle)
                 here = _at(logs, (patch, spacing))
                 known = here[np.isfinite(here)]
                 ratio = _ratio(here, _at(logs, base))
@@ -378,7 +380,7 @@ def exponent_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) ->
     for about, run in _spectra(runs):
         cycles = run.cycle.values.tolist()
         for reading, cycle in [*itertools.product(READ, cycles), *((name, 0) for name in GEOMETRY)]:
-            logs = logs_of(run, reading, cycle)
+            logs = mean_logs(run, reading, cycle)
             for of, other, place in (("patch", "spacing", base[1]), ("spacing", "patch", base[0])):
                 line = logs.sel({other: place}, method="nearest")
                 power = _power(np.log(line[of].values), line.transpose(of, ...).values)
@@ -424,7 +426,7 @@ def barton_bandis_table(
                 for patch in (smallest, *larger)
             )
             for reading in known:
-                logs = logs_of(run, reading, cycle)
+                logs = mean_logs(run, reading, cycle)
                 for patch, law in zip(larger, laws, strict=True):
                     ratio = _ratio(*(_at(logs, (length, base[1])) for length in (patch, smallest)))
                     row = about | {"reading": reading, "cycle": cycle}

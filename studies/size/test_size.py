@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.joint.laws import barton_bandis
-from jointclosure.walls.roughness import rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import rms_slope, z2_of_jrc
 from studies.size import study as scale
 from tests.studied import study_of, tiny
 
@@ -204,12 +204,12 @@ def test_the_spread_is_free_of_the_noise_of_its_means():
 def test_nothing_is_told_of_scalings_by_few_surfaces_or_of_what_is_not_above_zero():
     for surfaces, told in ((5, False), (6, True)):
         run = power_law(0.7, surfaces=surfaces)
-        joints = scale.stacked(run, ROLL_OFFS, "max_closure", 1)
+        joints = scale.stack_conditions(run, ROLL_OFFS, "max_closure", 1)
         row = scale._row(joints, np.zeros(joints.sizes["condition"]), ("patch",))
         assert row["realizations"] == surfaces
         assert np.isfinite([row[name] for name in scale.NUMBERS]).all() == told
     run["max_closure"][0, 0, 0, 0, :2, 0] = np.array([0.0, -1e-4])
-    logs = scale.logs_of(run, "max_closure", 1)
+    logs = scale.mean_logs(run, "max_closure", 1)
     assert np.isnan(logs[0, 0, 0, :2]).all()
     assert np.isfinite(logs[0, 0, 0, 2:]).all()
     one = np.array([0.1, np.nan])

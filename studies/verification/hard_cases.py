@@ -27,7 +27,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, load_cycles
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import kernels_of, prepare_kernels
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
 from jointclosure.solvers.registry import solver_named
@@ -35,8 +35,9 @@ from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.uncertainty.variants import COPIES
 from studies.frame.keys import validated
 from studies.frame.yaml_files import merged
-from studies.verification.hard_case_keys import HardCasesKeys, case_keys, hard_walls
-from studies.verification.judged import Judge, JudgedSolver
+from studies.verification.hard_case_keys import HardCasesKeys, case_keys
+from studies.verification.hard_walls import hard_walls
+from studies.verification.judged_solver import Judge, JudgedSolver
 
 _LENGTHS = ("displacement_step", "breakage_step")
 
@@ -101,7 +102,7 @@ def failed_requirements(outcome: CaseOutcome, cases: dict[str, dict]) -> list[st
 
     ``cases`` are all by name, as some are compared with others.
     """
-    failed = broken_requirements(outcome, tolerances_of(outcome.case))
+    failed = broken_requirements(outcome, case_tolerances(outcome.case))
     if outcome.dataset is not None and not failed:
         for name, asked in outcome.case["must"].items():
             failed += _broken_must(outcome, name, asked, cases)
@@ -179,14 +180,13 @@ def _model(case: dict) -> tuple[Effects, Choices, Numerics]:
 def _run(frozen: str) -> CaseOutcome:
     case = json.loads(frozen)
     if case["expect"] != "refused":  # kernels are compiled before the time is measured
-        for kernel in kernels_of([_model(case)]):
-            compile_kernels(*kernel)
+        prepare_kernels([_model(case)])
     setting = _setting(case)
     upper, lower = setting.pop("walls")
     walls = (wall - height_datum(wall) for wall in (upper, lower))
     model = (setting[name] for name in ("spacing", "rock", "effects", "choices"))
     given = oracle.PristineJoint(*walls, *model)
-    judge = Judge(given, tolerances_of(case))
+    judge = Judge(given, case_tolerances(case))
     dataset = None
     message = ""
     target = math.nan
@@ -270,7 +270,7 @@ def load_of(case: dict, target: float) -> dict[str, Any]:
     return {"max_normal_stress": [case["scale_stresses"] * turn for turn in case["history"]]}
 
 
-def tolerances_of(case: dict) -> dict[str, float]:
+def case_tolerances(case: dict) -> dict[str, float]:
     """Return the limits of the oracle's numbers, and of the relative distance to the target."""
     numerics = Numerics()._replace(**case["numerics"])
     by_stress = case["closure"] is None

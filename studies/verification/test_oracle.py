@@ -8,7 +8,7 @@ from jointclosure import oracle
 from jointclosure.ensembles.oracle_limits import largest_ratio
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named
-from studies.verification.judged import Judge
+from studies.verification.judged_solver import Judge
 from tests.joints import DOLERITE, SPACING
 
 NUMERICS = jc.Numerics(force_tolerance=1e-8)

@@ -11,7 +11,7 @@ import jointclosure as jc
 from jointclosure.cli.main import main
 from jointclosure.plotting.style import StyledFigure
 from tests.joints import SPACING
-from tests.measured.test_calibration import GOOD
+from tests.measured.test_likelihood import GOOD
 
 
 @pytest.fixture(autouse=True, scope="module")

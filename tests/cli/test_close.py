@@ -396,12 +396,15 @@ def test_an_aperture_that_is_zero_within_rounding_is_shown_as_none(joint):
 RECORD = {"joint": "<ClosedJoint: granite, closes 1 mm>", "description": "granite, 9 x 8 cells"}
 
 
-def test_a_report_lists_its_notes_and_calls_a_joint_with_warnings_no_success():
+def test_a_report_lists_its_warnings_in_the_place_of_a_success():
     warned = RECORD | {"status": "success", "warnings": ["is the file incomplete?", "holes"]}
     about, first, second, model = report._notes(warned)
     assert about == "Granite, 9 x 8 cells."
     assert (first, second) == ("Is the file incomplete?", "Holes.")
     assert model.startswith("No fluid pressure")
+
+
+def test_a_report_without_warnings_has_the_status_of_the_simulation():
     assert report._notes(RECORD | {"status": "success", "warnings": []})[1] == "Success."
     outside = RECORD | {"status": "success: outside_model_range", "warnings": []}
     assert report._notes(outside)[1] == "Status of the simulation: outside_model_range."

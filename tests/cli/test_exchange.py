@@ -16,7 +16,7 @@ from jointclosure.cli import main as cli
 from jointclosure.cli.results import _flow_remarks, summary
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import flow
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, loading_hyperbolas
 from jointclosure.joint.tables import (

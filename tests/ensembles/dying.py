@@ -6,7 +6,7 @@ import signal
 
 def kill_worker_once(walls, reading, marker):
     """Close a joint; once, kill the process at a joint whose first height is 0."""
-    from jointclosure.ensembles.joints import simulate_row
+    from jointclosure.ensembles.simulation import simulate_row
 
     if walls[0][0, 0] == 0.0 and not marker.exists():
         marker.touch()

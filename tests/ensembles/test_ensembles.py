@@ -9,9 +9,10 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.ensembles import joints
-from jointclosure.ensembles.joints import NOT_SIMULATED
+from jointclosure.ensembles import simulation
+from jointclosure.ensembles.simulation import NOT_SIMULATED
 from jointclosure.execution.workers import in_threads
+from jointclosure.joint import warmup
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.status import FAILURE
 from jointclosure.parameters import scene_name
@@ -58,13 +59,36 @@ def test_a_joint_that_cannot_be_closed_loses_no_other(alone):
         np.testing.assert_array_equal(ensemble.closure.values[place], alone.closure.values[place])
 
 
-def test_kernels_are_compiled_once_before_several_processes_need_them(monkeypatch):
+@pytest.mark.parametrize("shipped", [False, True])
+def test_kernels_that_are_not_shipped_are_compiled_before_several_processes(shipped, monkeypatch):
     calls = []
-    share = joints.shared
-    monkeypatch.setattr(joints, "compile_kernels", lambda *kernel: calls.append(kernel))
-    monkeypatch.setattr(joints, "shared", lambda *task: calls.append("shared") or share(*task))
+    share = simulation.in_processes
+    monkeypatch.setattr(warmup, "all_are_shipped", lambda: shipped)
+    monkeypatch.setattr(warmup, "compile_kernels", lambda *kernel: calls.append(kernel))
+    monkeypatch.setattr(
+        simulation, "in_processes", lambda *task: calls.append("shared") or share(*task)
+    )
     jc.simulate_ensemble(rule, seeds=[3, 5], workers=2, **LOAD)
-    assert calls == [(scene_name(jc.Effects()), "pristine", "base", "fast", "fixed_step"), "shared"]
+    kernels = (scene_name(jc.Effects()), "pristine", "base", "fast", "fixed_step")
+    assert calls == (["shared"] if shipped else [kernels, "shared"])
+
+
+def test_shipped_kernels_are_loaded_where_this_process_simulates(monkeypatch):
+    loaded = []
+    monkeypatch.setattr(warmup, "all_are_shipped", lambda: True)
+    monkeypatch.setattr(warmup, "compile_kernels", lambda *kernel: loaded.append(kernel))
+    warmup.prepare_kernels([jc.Conditions(**LOAD).model], workers=1)
+    assert len(loaded) == 1
+
+
+def test_a_model_whose_kernels_are_not_shipped_is_compiled(monkeypatch):
+    compiled = []
+    monkeypatch.setattr(warmup, "all_are_shipped", lambda: True)
+    monkeypatch.setattr(warmup, "compile_kernels", lambda *kernel: compiled.append(kernel))
+    effects, choices, numerics = jc.Conditions(**LOAD).model
+    unbounded = choices._replace(strength_bound="none"), numerics._replace(solver="reference")
+    warmup.prepare_kernels([(effects, *unbounded)], workers=2)
+    assert [kernel[2:4] for kernel in compiled] == [("none", "reference")]
 
 
 def test_every_function_that_closes_joints_takes_the_same_conditions(alone):
@@ -121,7 +145,7 @@ def after_a_kill(tmp_path_factory):
     killing = functools.partial(kill_worker_once, marker=marker)
     again = pytest.warns(UserWarning, match=r"simulating again: seeds \[1\]")
     with pytest.MonkeyPatch.context() as patch, again as warned:
-        patch.setattr(joints, "simulate_row", killing)
+        patch.setattr(simulation, "simulate_row", killing)
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1
     assert marker.exists()

@@ -10,7 +10,7 @@ from jointclosure.ensembles.oracle_limits import largest_ratio, limits_of, toler
 from jointclosure.ensembles.quantities import COLUMNS, HEADINGS, QUANTITIES
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.cycles import largest_jump
+from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.tables import cycle_table

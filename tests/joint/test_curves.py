@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.cli.exports import porepy_files
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import GROSS, NET, history_of, round_levels
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import (

@@ -14,9 +14,9 @@ from jointclosure.joint.rocks import ROCKS
 from jointclosure.parameters import USUAL, check_choices, check_usual
 from jointclosure.walls.gridding import Scan
 from studies.frame.rocks import ScannedWalls
-from studies.frame.walls import prepared_walls
+from studies.frame.scanned_walls import prepared_walls
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
-from tests.measured.test_calibration import GOOD
+from tests.measured.test_likelihood import GOOD
 
 
 def scans_of(upper, lower, spacing):

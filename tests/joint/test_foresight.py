@@ -84,7 +84,7 @@ def test_no_branch_takes_more_displacement_steps_than_the_bound(branch):
     here = np.flatnonzero(whole.branch == branch)
     taken = int(whole.settled_states) - (whole.sizes["step"] - 1)  # and thrown away
     most = here[-5] + (taken if branch == "unloading" else 0)
-    with patch.object(simulation, "check_foreseen", lambda *_: None):
+    with patch.object(simulation, "check_feasible", lambda *_: None):
         ended = closed(most_steps=float(most), stress=1e6, **numerics)
     assert FLAGS[int(ended.status)] == "too_many_steps"
     assert int(ended.settled_states) == most + 1
@@ -251,6 +251,17 @@ def test_the_warning_near_the_strength_has_the_times_of_the_stored_table():
     ):
         ends = times.time_ratio.round().agg(["min", "max"])
         assert tuple(ends) == simulation._TIMES_OF_USUAL[least]
+
+
+def test_the_strengths_of_cells_are_computed_once_for_the_check_and_the_warning(monkeypatch):
+    computed = []
+    strength = simulation.joint_strength
+    monkeypatch.setattr(
+        simulation, "joint_strength", lambda *joint: computed.append(1) or strength(*joint)
+    )
+    conditions = jc.Conditions(max_normal_stress=120e6, **NEAR).checked()
+    assert simulation.Simulation(*pair(12), conditions).near_strength()
+    assert len(computed) == 1
 
 
 def test_the_warning_near_the_strength_is_of_fixed_steps_too():

@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint import cycles
-from jointclosure.joint.cycles import loop_between, net_responses, unloading_excess
+from jointclosure.joint import cycle_results
+from jointclosure.joint.cycle_results import loop_between, net_responses, unloading_excess
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import crossing, rising_slopes
 from jointclosure.uncertainty.sources import coarser
@@ -75,7 +75,7 @@ def test_the_excess_of_unloading_is_read_at_its_steps(up, down, relief, excess):
 def test_unloading_below_the_loading_on_both_sides_has_no_excess_without_a_cubic(monkeypatch):
     """A monotone cubic lies between its neighbours; the library that has it is slow to load."""
     closed = history([*UP, 2.5, 1.5, 1.2], [*LOAD, 1.5, 0.5, 0.0], [4, 3])
-    monkeypatch.setattr(cycles, "scipy", None)
+    monkeypatch.setattr(cycle_results, "scipy", None)
     np.testing.assert_array_equal(unloading_excess(closed, [0.0, 0.0]), [0.0, np.nan])
 
 

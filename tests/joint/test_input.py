@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.given_walls import checked_walls
+from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.walls.plausibility import doubts
 from tests import joints
 from tests.joints import DOLERITE, ELASTIC, SPACING

@@ -14,7 +14,7 @@ from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import well_posed_scenes
 from jointclosure.solvers.registry import solver_named
 from jointclosure.walls.synthesis import Spectrum, gaussian_field
-from studies.verification.judged import Judge, JudgedSolver
+from studies.verification.judged_solver import Judge, JudgedSolver
 from tests import joints
 
 REPRODUCIBLY = hypothesis.settings(derandomize=True, database=None, deadline=None, max_examples=60)

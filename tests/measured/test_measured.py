@@ -7,12 +7,12 @@ import pytest
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
-from jointclosure.measured.calibration import reading_sentences, readings_of_curve
 from jointclosure.measured.curves import MeasuredCurve, check_curve, parsed_curve
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, heading_of
-from jointclosure.measured.joints import asked_joints
+from jointclosure.measured.joint_arguments import asked_joints
+from jointclosure.measured.likelihood import reading_sentences, readings_of_curve
 from studies.frame.rocks import MeasuredFile
-from studies.paper.measured import CurveSettings, curve_settings, measured_curves
+from studies.paper.measured_curves import CurveSettings, curve_settings, measured_curves
 from tests.studied import study_of
 
 HEADER = "stress_MPa,closure_mm,cycle\n"

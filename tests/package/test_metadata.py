@@ -12,7 +12,7 @@ from packaging.requirements import Requirement
 import jointclosure as jc
 from jointclosure.cli.options import documented
 from jointclosure.inputs.extras import EXTRAS
-from jointclosure.measured.joints import MeasuredJoint
+from jointclosure.measured.joint_arguments import MeasuredJoint
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

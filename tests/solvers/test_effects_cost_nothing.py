@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint import states  # imported before it is patched, or it would keep `refuse`
+from jointclosure.joint import snapshots  # imported before it is patched, or it would keep `refuse`
 from jointclosure.solvers import elastic, fast, interaction_operator, joint
 from tests import joints
 from tests.joints import ELASTIC, pair
@@ -62,7 +62,7 @@ def refuse(*_):
 
 @pytest.mark.parametrize("breakage", [False, True])
 def test_without_interaction_there_is_neither_transform_nor_influence(monkeypatch, breakage):
-    for module in (joint, elastic, interaction_operator, states):
+    for module in (joint, elastic, interaction_operator, snapshots):
         for name in ("influence_table", "influence_of", "interaction_field", "influence_matrix"):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, refuse)

@@ -6,7 +6,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import LoadCycle
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.status import LOADING, UNLOADING
@@ -64,12 +64,12 @@ def test_a_replayed_cycle_is_the_same_as_one_that_is_closed_again(breakage, tole
 
 
 def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
-    numerics, looked_at = jc.Numerics(), 0
+    looked_at = 0
     for seed in range(9):
         joint = joint_of(32, seed)
         area = joint.upper.size * SPACING**2
         load = [LoadCycle(5e6 * area), LoadCycle(10e6 * area)]
-        history = run_cycles(joint, solver_named("fast"), numerics, load)
+        history = run_cycles(joint, solver_named("fast"), load)
         former = max(step.settled.closure for step in history.steps if step.cycle == 1)
         again = [step.settled for step in history.steps if step[:2] == (2, "loading")]
         opened = [step.settled for step in history.steps if step[:2] == (1, "unloading")]
@@ -234,7 +234,7 @@ def test_no_contact_of_an_idle_step_would_be_displaced_by_more_than_the_share(
 
     load = [LoadCycle(10e6 * (cells * SPACING) ** 2)]
     joint = joint_of(cells, 1, numerics)
-    history = run_cycles(joint, solver_named(solver), numerics, load, observers=[look])
+    history = run_cycles(joint, solver_named(solver), load, observers=[look])
     idle = history.idle_steps
     assert idle >= 3
     assert history.idle_displacement == pytest.approx(max(shares[:idle]), rel=1e-9)

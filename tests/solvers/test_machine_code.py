@@ -7,9 +7,9 @@ import shutil
 import pytest
 
 import jointclosure as jc
+from jointclosure.compilation import code_digests
 from jointclosure.compilation import kernels as compilation
-from jointclosure.compilation import sources
-from jointclosure.compilation.sources import PACKAGE
+from jointclosure.compilation.code_digests import PACKAGE
 from jointclosure.solvers.breakage import breakage_kernel
 from jointclosure.solvers.reference import reference_kernel
 from tests.processes import python
@@ -17,7 +17,7 @@ from tests.solvers.test_effects_cost_nothing import closed
 
 
 def test_the_cache_folder_is_named_by_the_code_of_the_kernels():
-    code = sources.code_digest(*compilation.KERNEL_PARTS, titles=False)
+    code = code_digests.code_digest(*compilation.KERNEL_PARTS, titles=False)
     assert compilation.cache_folder().name.startswith(f"numba-{code}-")
 
 
@@ -117,10 +117,17 @@ def test_the_number_of_kernels_is_known_once_all_are_compiled(tmp_path, monkeypa
     assert compilation.stored_kernels() == (3, None)
     compilation.store_number_of_kernels()
     assert compilation.stored_kernels() == (3, 3)
+    assert not compilation.all_are_shipped()
+    (shipped / cache.name / "number_of_kernels").write_text("3\n")
+    assert not compilation.all_are_shipped()
+    (shipped / cache.name / "solvers" / "c.nbi").touch()
+    assert compilation.all_are_shipped()
+    (shipped / cache.name / "solvers" / "c.nbi").unlink()
     (cache / "solvers" / "c.nbi").unlink()
     assert compilation.stored_kernels() == (2, 3)
     monkeypatch.setattr(compilation, "FEATURES", {"+none"})  # shipped code cannot be run
     assert compilation.stored_kernels() == (1, 3)
+    assert not compilation.all_are_shipped()
 
 
 LOADED = """

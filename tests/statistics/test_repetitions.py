@@ -18,11 +18,11 @@ from jointclosure.statistics.repetitions import (
     length_distribution,
     log_likelihoods,
     p_of_table,
+    parameters_without_effect,
     pool_error,
     resampled_pools,
     share_as_short,
     two_sided_p,
-    without_effect,
 )
 
 # A world in which the truth is known: closures on surfaces, against one parameter
@@ -214,7 +214,7 @@ def test_the_parameters_of_a_rock_share_the_draws_at_their_base_alone():
     np.testing.assert_array_equal(x.means[:, 0, 1], y.means[:, 0, 1])
     assert abs(np.corrcoef(x.means[:, 0, 0], y.means[:, 0, 0])[0, 1]) < 0.15
     # also where all levels draw from one pool, they draw anew
-    none = draw_studies(without_effect(both), Design(draws=5), 500, random)["x"]
+    none = draw_studies(parameters_without_effect(both), Design(draws=5), 500, random)["x"]
     assert abs(np.corrcoef(none.means[:, 0].T)[0, 1]) < 0.5
     assert not (none.means[:, 0, 0] == none.means[:, 0, 1]).any()
 
@@ -322,7 +322,7 @@ def world():
     effects = {"a": 0.3, "b": 0.4}
     sensitivities = pools(random, effects)
     drawn = table_of(draw_studies(sensitivities, Design(), 2000, random))
-    none = table_of(draw_studies(without_effect(sensitivities), Design(), 2000, random))
+    none = table_of(draw_studies(parameters_without_effect(sensitivities), Design(), 2000, random))
     own = [joint_test(drawn, table(random, effects)).p for _ in range(12)]
     observed = np.median([table(random, effects) for _ in range(9)], axis=0)
     return World(drawn, none, own, observed)
@@ -366,7 +366,7 @@ def test_joint_p_values_are_uniform_where_the_table_is_a_draw(null):
     for _ in range(300):
         sensitivities = pools(random, effects)
         if null:
-            sensitivities = without_effect(sensitivities)
+            sensitivities = parameters_without_effect(sensitivities)
         drawn = table_of(draw_studies(sensitivities, Design(), 400, random))
         p.append(joint_test(drawn, table(random, effects)).p)
     assert scipy.stats.kstest(p, "uniform").pvalue > 0.001

@@ -7,7 +7,7 @@ import jointclosure as jc
 from jointclosure.statistics.variance_indices import (
     _shapley_values,
     design_matrix,
-    fitted,
+    fit_function,
     level_of,
     sampled_rows,
     shapley_effects,
@@ -84,11 +84,11 @@ def test_shapley_effects_of_dependent_normals_are_those_of_the_literature():
     """Owen and Prieur (2017), Sec. 4.1: x + y of correlation r share equally; a x + b y do not."""
     points = sampled_rows(2, 256, 4)[:, 0]
     t = 2.0 * points - 1.0
-    equal = fitted(points, t[:, 0] + t[:, 1], (0, 0))
+    equal = fit_function(points, t[:, 0] + t[:, 1], (0, 0))
     np.testing.assert_allclose(
         shapley_effects((0, 0), equal.coefficients, {(0, 1): 0.8}), 0.5, atol=0.01
     )
-    idle = fitted(points, t[:, 0], (0, 0))
+    idle = fit_function(points, t[:, 0], (0, 0))
     r = 0.8
     # what knows nothing but is correlated: half of the variance that it explains
     expected = r**2 / 2.0

@@ -10,14 +10,14 @@ from jointclosure.uncertainty.numerical_error import (
     LIMIT,
     OF_JUMP,
     OF_SCATTER,
+    log_scatter,
     numerical_error,
-    scatter_of,
 )
 from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
 
 
 def stated(values=(1.0, 1.0, 1.0), jump=0.0, quantity=CLOSURE_NET, cycle=1):
-    return numerical_error(values, jump, quantity, cycle)
+    return numerical_error(log_scatter(values), jump, quantity, cycle)
 
 
 def test_results_that_agree_without_a_jump_leave_the_least_error():
@@ -54,4 +54,4 @@ def test_a_copy_that_failed_does_not_count():
 
 
 def test_the_scatter_is_that_of_factors():
-    assert scatter_of([1.0, 4.0]) == pytest.approx(math.log(4.0) / math.sqrt(2.0))
+    assert log_scatter([1.0, 4.0]) == pytest.approx(math.log(4.0) / math.sqrt(2.0))

@@ -21,9 +21,9 @@ from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty import ranges as ranges_module
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.numerical_error import (
+    log_scatter,
     numerical_error,
     numerical_errors_of,
-    scatter_of,
 )
 from jointclosure.uncertainty.ranges import (
     NUMBERS,
@@ -822,12 +822,14 @@ def errors_of_copies():
 
 
 def test_the_error_compares_the_joint_with_other_steps_and_all_copies(errors_of_copies):
-    assert errors_of_copies.error == numerical_error([1.0, *CHANGED], 0.02, CLOSURE_NET, 1)
+    assert errors_of_copies.error == numerical_error(
+        log_scatter([1.0, *CHANGED]), 0.02, CLOSURE_NET, 1
+    )
 
 
 def test_the_scatter_is_that_of_the_joint_and_all_copies(errors_of_copies):
     """A joint may be far from copies that agree with each other."""
-    assert errors_of_copies.scatter == scatter_of([1.0, *CHANGED])
+    assert errors_of_copies.scatter == log_scatter([1.0, *CHANGED])
 
 
 def test_no_error_is_stated_where_all_other_steps_failed():
@@ -836,7 +838,7 @@ def test_no_error_is_stated_where_all_other_steps_failed():
 
 def test_the_error_is_that_of_its_cycle():
     table = rows_of_steps(1.0, 1.1, [1.12, 1.08]).assign(cycle=2)
-    expected = numerical_error([1.0, *CHANGED], 0.02, CLOSURE_NET, 2)
+    expected = numerical_error(log_scatter([1.0, *CHANGED]), 0.02, CLOSURE_NET, 2)
     assert closure_error(table).error == expected
 
 

@@ -15,12 +15,12 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
 from jointclosure.walls import motion, registration, wall_files
-from jointclosure.walls.gridding import Cloud, Scan, paper_spacing, point_distance, points_of
-from jointclosure.walls.motion import Fit, Motion
-from jointclosure.walls.outliers import patches, remove_plateaus, remove_spikes, spikes
+from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
+from jointclosure.walls.motion import Motion, SlopeFit
+from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
 from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import ORIENTATIONS, _BestFit, _check_found, registered
-from jointclosure.walls.roughness import detrended
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.wall_files import check_cells, registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
@@ -161,7 +161,7 @@ def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls():
 
 @pytest.mark.parametrize(("distance", "cell"), [(5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)])
 def test_a_joint_has_a_spacing_near_that_of_the_paper_or_of_coarser_scans(distance, cell):
-    assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
+    assert usual_grid_spacing(distance) == pytest.approx(cell, rel=1e-12)
 
 
 def test_a_joint_has_the_spacing_that_is_stated():
@@ -457,7 +457,7 @@ def test_the_largest_rectangle_is_the_largest(seed):
 
 
 def test_gaussian_walls_have_no_spikes(joint):
-    assert not np.isfinite(spikes(points_of(grid(joint[0])))).any()
+    assert not np.isfinite(spike_heights(points_of(grid(joint[0])))).any()
 
 
 @pytest.fixture
@@ -566,7 +566,7 @@ def test_an_aperture_map_is_warned_of_if_it_is_inclined_by_more_than_five_degree
 
 
 def test_a_fit_of_slopes_at_which_heights_have_no_position_is_refused():
-    middle, fits = np.zeros(3), [Fit("rotated", 0.9, 10.0, np.zeros(2))]
+    middle, fits = np.zeros(3), [SlopeFit("rotated", 0.9, 10.0, np.zeros(2))]
     mated = Motion(np.eye(3), np.eye(3), middle, middle, np.full((3, 3), np.nan))
     with pytest.raises(jc.InputError, match=r"ambiguous: slopes correlate by rotated 0.90 at 10 d"):
         _check_found(_BestFit("rotated", fits, mated))
@@ -603,7 +603,7 @@ def test_a_joint_without_holes_has_no_remark_about_their_force(walls):
 def test_points_apart_by_many_times_their_distance_are_patches(gap, count):
     x, y = (part.ravel() for part in np.meshgrid(np.arange(20.0), np.arange(10.0)))
     x = np.where(x < 10.0, x, x + gap - 1.0)
-    assert len(np.unique(patches(SPACING * np.column_stack([x, y])))) == count
+    assert len(np.unique(patch_numbers(SPACING * np.column_stack([x, y])))) == count
 
 
 @pytest.fixture(scope="module")
@@ -634,7 +634,9 @@ def test_the_walls_of_a_published_fracture_are_laid_together_at_any_angle(name, 
 
 def test_angles_of_tried_fits_have_the_convention_of_the_motion():
     """From -180 to 180 degrees, so that both lines of the report can be compared."""
-    tried = {angle: str(Fit("turned_over", 0.86, angle, np.zeros(2))) for angle in (6.0, 186.0)}
+    tried = {
+        angle: str(SlopeFit("turned_over", 0.86, angle, np.zeros(2))) for angle in (6.0, 186.0)
+    }
     assert tried[186.0] == "turned_over 0.86 at -174 degrees"
     assert tried[6.0] == "turned_over 0.86 at 6 degrees"
 

@@ -10,9 +10,11 @@ import jointclosure as jc
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.sources import sources_of
 from jointclosure.uncertainty.variants import Variant
-from jointclosure.walls.gridding import Cloud, Scan, filled, points_of
+from jointclosure.walls.gridding import Cloud, Scan, points_of
+from jointclosure.walls.jrc import rms_slope
+from jointclosure.walls.missing_heights import fill_missing
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import registered
-from jointclosure.walls.roughness import detrended, rms_slope
 from jointclosure.walls.scan_defects import cut_rim, inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
@@ -360,7 +362,7 @@ def a_raised_rim(wall):
 def a_filled_hole(wall):
     hole = np.zeros(wall.shape, bool)
     hole[30:40, 50:60] = True
-    wall[:] = filled(np.where(hole, np.nan, wall), "linear", 1.0)
+    wall[:] = fill_missing(np.where(hole, np.nan, wall), "linear", 1.0)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.walls.roughness import RELATIONS, detrended, jrc_of_z2, rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import RELATIONS, jrc_of_z2, rms_slope, z2_of_jrc
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.synthesis import Spectrum, gaussian_field, power
 from tests.joints import SPACING
 

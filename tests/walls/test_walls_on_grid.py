@@ -10,20 +10,18 @@ import jointclosure as jc
 from jointclosure.walls.gridding import (
     Cloud,
     Scan,
-    fill_dropouts,
-    filled,
     grid_nodes,
-    heights_between,
-    holes,
     node_counts,
-    paper_spacing,
     point_distance,
     points_of,
+    usual_grid_spacing,
     wall_on_grid,
 )
+from jointclosure.walls.jrc import rms_slope
 from jointclosure.walls.levelling import levelled, levelled_together
+from jointclosure.walls.planes import detrended
+from jointclosure.walls.point_interpolation import interpolate_heights
 from jointclosure.walls.registration import registered
-from jointclosure.walls.roughness import detrended, rms_slope
 from tests.joints import SPACING
 
 
@@ -143,7 +141,7 @@ def test_heights_between_dense_points_are_those_of_all_triangles():
     heights = 1e-4 * np.sin(900.0 * places[:, 0]) * np.cos(700.0 * places[:, 1])
     axis = np.linspace(1e-3, 9e-3, 30)
     nodes = np.stack(np.meshgrid(axis, axis), axis=-1)
-    found = heights_between(places, heights, nodes, 1e-3)
+    found = interpolate_heights(places, heights, nodes, 1e-3)
     whole = scipy.interpolate.LinearNDInterpolator(places, heights)(nodes)
     difference = np.abs(found - whole)
     assert np.mean(difference < 1e-12) > 0.9
@@ -178,53 +176,6 @@ def test_scattered_points_of_a_smooth_wall_give_its_heights_but_not_in_holes():
     assert np.isnan(found[np.hypot(at_y - 5e-3, at_x - 5e-3) < 1.7e-3]).all()
 
 
-@pytest.fixture
-def slope():
-    y, x = np.indices((30, 30))
-    return 2e-5 * x + 1e-5 * y
-
-
-@pytest.fixture
-def holed(slope):
-    """A slope with a hole."""
-    heights = slope.copy()
-    heights[10:14, 20:23] = np.nan
-    return heights
-
-
-def test_linear_filling_follows_a_slope(holed, slope):
-    np.testing.assert_allclose(filled(holed, "linear"), slope, atol=1e-15)
-
-
-def test_nearest_filling_does_not_follow_a_slope(holed, slope):
-    near = filled(holed, "nearest")
-    assert np.isfinite(near).all()
-    assert np.abs(near - slope).max() > 1e-5
-
-
-def test_linear_filling_beyond_all_cells_takes_the_nearest_ones(holed):
-    holed[:2] = np.nan
-    assert np.isfinite(filled(holed, "linear", 0.1)).all()
-
-
-def test_missing_cells_may_be_refused_with_their_number(wall):
-    wall[4, 7] = wall[4, 8] = np.nan
-    with pytest.raises(jc.InputError, match=r"2 of 2080 cells .* first at \(y, x\) = \(4, 7\)"):
-        filled(wall, "refuse")
-
-
-def test_missing_cells_that_are_to_be_avoided_stay(wall):
-    wall[4, 7] = wall[4, 8] = np.nan
-    assert filled(wall, "avoid") is wall
-
-
-def test_no_more_cells_are_filled_than_allowed(wall):
-    wall[4, 7] = wall[4, 8] = wall[:4] = np.nan
-    with pytest.raises(jc.InputError, match=r"210 of 2080 .* 0.101, at most 0.05 may be filled"):
-        filled(wall, "nearest")
-    assert np.isfinite(filled(wall, "nearest", 0.11)).all()
-
-
 @pytest.mark.parametrize(
     ("shift", "interpolated"), [((0.0, 0.0), False), ((0.5, 0.5), True), ((0.0, 0.3), True)]
 )
@@ -239,14 +190,6 @@ def test_interpolation_is_warned_of_with_the_slope_that_is_lost(shift, interpola
         slopes = re.search(r"is ([\d.]+) instead of ([\d.]+)", line).groups()
         kept, measured = map(float, slopes)
         assert kept < 0.985 * measured
-
-
-def test_a_strip_beside_the_rim_of_a_scan_is_not_filled_between_its_far_ends():
-    wall = np.random.default_rng(0).standard_normal((12, 9)).cumsum(axis=0)
-    wall[2:10, 0] = np.nan  # known at both ends of the column, with nothing beyond it
-    wall[5, 4] = wall[8, 3:5] = np.nan
-    whole = fill_dropouts(wall, holes(np.isfinite(wall)))
-    np.testing.assert_array_equal(np.isnan(whole), np.isnan(wall) & (np.arange(9) == 0))
 
 
 @pytest.fixture(scope="module")
@@ -281,4 +224,4 @@ def test_three_heights_are_too_few_for_a_wall():
     ("distance", "spacing"), [(0.25e-3, 0.25e-3), (0.1e-3, 0.2e-3), (0.6e-3, 0.6e-3), (5e-3, 5e-3)]
 )
 def test_the_usual_grid_is_a_multiple_of_the_points_distance_next_to_the_papers(distance, spacing):
-    assert paper_spacing(distance) == pytest.approx(spacing)
+    assert usual_grid_spacing(distance) == pytest.approx(spacing)

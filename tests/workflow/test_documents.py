@@ -15,11 +15,11 @@ from jointclosure.cli import main as cli
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.cases import cases_of
-from studies.frame.closing import close_joints
 from studies.frame.configuration import merged, written_out
 from studies.frame.datasets import of_case
-from studies.frame.points import case_point
+from studies.frame.experiments import case_point
 from studies.frame.settings import surface_settings, walls_of
+from studies.frame.simulation import close_joints
 from studies.frame.tables import join_cases
 from tests.joints import COARSE
 from tests.studied import DEFAULT, ROOT, study_of

@@ -52,7 +52,7 @@ LOOKS = [
 def test_looking_at_another_configuration_after_an_edit_changes_no_file(planning, look):
     """As it is at its most harmful; `test_no_look_changes_a_file` has all looks."""
     code = add_code(planning)
-    edit(planning, "studies/frame/closing.py")
+    edit(planning, "studies/frame/simulation.py")
     other = changed(planning, "other.yaml", ("surface.hurst", 0.7))
     before = state_of(planning)
     assert "close_joints" in run_snakemake(planning, *look, config=other, **code).stdout

@@ -10,15 +10,15 @@ from functools import cache, partial
 from snakemake.exceptions import WorkflowError
 
 from jointclosure.compilation.kernels import cache_folder
-from jointclosure.compilation.sources import code_digest
-from jointclosure.assessment.selection import MOST_PAIRS, possible_scenes
+from jointclosure.compilation.code_digests import code_digest
+from jointclosure.assessment.effect_selection import MOST_PAIRS, possible_scenes
 from jointclosure.inputs import InputError
 from jointclosure.joint.warmup import kernels_of
 from jointclosure.storage.files import digest
 from jointclosure.walls.scans import file_digest, files_of
-from studies.assessment.larger import base_conditions
-from studies.assessment.plan import READ as ASSESSED_QUANTITIES
-from studies.assessment.plan import planned as planned_assessment
+from studies.assessment.larger_assessment import base_conditions
+from studies.assessment.report_plan import READ as ASSESSED_QUANTITIES
+from studies.assessment.report_plan import planned as planned_assessment
 from studies.frame.cases import (
     blocks_of,
     cases_of,
@@ -32,11 +32,11 @@ from studies.frame.cases import (
 from studies.frame.configuration import configured
 from studies.frame.datasets import joints_key
 from studies.frame.pilots import examined, tried
-from studies.frame.points import case_point, experiment_named
+from studies.frame.experiments import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
 from studies.frame.settings import BASE, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain
-from studies.paper.measured import curve_settings, measured_curves
+from studies.paper.measured_curves import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
 
 if not Path("config/default.yaml").is_file():

@@ -15,7 +15,7 @@ from jointclosure.execution.progress import duration, remaining
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.logs import reason_of_failure
 from studies.frame.cases import expected_seconds
-from studies.paper.layout import closure_lines
+from studies.paper.tables_1_to_3 import closure_lines
 
 HELD = []  # the locked file of a run, open until this process ends
 INTERRUPTED = []  # times of the interrupts

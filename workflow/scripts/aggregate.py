@@ -23,7 +23,9 @@ if __name__ == "__main__":
                 snakemake.input.effects, snakemake.params.effects_keys
             )
         if snakemake.input.walls:
-            from studies.frame.walls import described  # imported here, as few studies have scans
+            from studies.frame.scanned_walls import (
+                described,  # imported here, as few studies have scans
+            )
 
             walls_keys = snakemake.params.walls_keys
             files = {Path(file).stem: file for file in snakemake.input.walls}

@@ -2,11 +2,11 @@
 
 from itertools import islice
 
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.closing import close_points
 from studies.frame.settings import walls_in
+from studies.frame.simulation import close_points
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":
@@ -14,8 +14,8 @@ if __name__ == "__main__":
         points, quantities = snakemake.params.points, snakemake.params.quantities
         settings = points[0].settings
         walls = list(islice(walls_in(snakemake.input.surfaces, settings), settings.realizations))
-        for kernel in kernels_of(point.settings.conditions.model for point in points):
-            compile_kernels(*kernel)  # before a joint is timed
+        # before a joint is timed
+        prepare_kernels(point.settings.conditions.model for point in points)
         joints = close_points(points, quantities, log, walls)
         joints = joints.assign_attrs(provenance(snakemake.config) | {"key": snakemake.params.key})
         write_netcdf(joints, snakemake.output[0])

@@ -3,7 +3,7 @@
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.pilots import choose_effects
+from studies.frame.pilots import choose_rock_effects
 from studies.frame.settings import walls_in
 
 if __name__ == "__main__":
@@ -11,5 +11,5 @@ if __name__ == "__main__":
         choice = snakemake.params.choice
         walls = walls_in(snakemake.input.surfaces, choice.point.settings)
         names = names_of_case(snakemake.params.flow)
-        chosen = choose_effects(choice, walls, names, log)
+        chosen = choose_rock_effects(choice, walls, names, log)
         write_netcdf(chosen.assign_attrs(key=snakemake.params.key), snakemake.output[0])

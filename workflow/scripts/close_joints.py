@@ -4,8 +4,8 @@ from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.checked_files import read_checked
-from studies.frame.closing import close_joints, under_chosen
 from studies.frame.settings import walls_in
+from studies.frame.simulation import close_joints, under_chosen
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:

@@ -2,7 +2,7 @@
 
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.closing import close_points
+from studies.frame.simulation import close_points
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":

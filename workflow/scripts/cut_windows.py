@@ -3,8 +3,8 @@
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.checked_files import read_checked
+from studies.frame.scanned_walls import cut_walls
 from studies.frame.settings import surfaces_dataset
-from studies.frame.walls import cut_walls
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

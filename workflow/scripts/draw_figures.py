@@ -8,7 +8,7 @@ from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.frame.checked_files import reading_checked
 from studies.paper.figures import study_figures
-from studies.paper.measured import measured_curves
+from studies.paper.measured_curves import measured_curves
 
 if __name__ == "__main__":
     read, params = snakemake.input, snakemake.params

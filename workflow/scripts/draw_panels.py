@@ -5,7 +5,7 @@ from pathlib import Path
 from jointclosure.storage.files import read_csv
 from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
-from studies.assessment.panels import first_panels
+from studies.assessment.report_panels import first_panels
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -4,9 +4,9 @@ from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
-from studies.paper.closures import indifference_table
-from studies.paper.layout import with_paper
-from studies.paper.responses import read_covariates
+from studies.paper.closure_tables import indifference_table
+from studies.paper.covariates import read_covariates
+from studies.paper.tables_1_to_3 import with_paper
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -4,8 +4,8 @@ from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
-from studies.paper.closures import elasticity_table
-from studies.paper.responses import read_covariates
+from studies.paper.closure_tables import elasticity_table
+from studies.paper.covariates import read_covariates
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -3,8 +3,8 @@
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import reading_checked
-from studies.paper.closures import fit_table
-from studies.paper.measured import measured_curves
+from studies.paper.closure_tables import fit_table
+from studies.paper.measured_curves import measured_curves
 
 if __name__ == "__main__":
     params = snakemake.params

@@ -4,7 +4,7 @@ from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
-from studies.paper.responses import Covariates, as_dataset, known_covariates, measure_covariates
+from studies.paper.covariates import Covariates, as_dataset, known_covariates, measure_covariates
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -2,7 +2,7 @@
 
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.walls import prepare_walls
+from studies.frame.scanned_walls import prepare_walls
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:

@@ -4,8 +4,8 @@ import pandas as pd
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
-from studies.frame.closing import close_joints
 from studies.frame.settings import walls_in
+from studies.frame.simulation import close_joints
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:

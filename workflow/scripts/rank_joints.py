@@ -2,7 +2,7 @@
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
-from studies.assessment.reached import hardness_table
+from studies.assessment.report_tables import hardness_table
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
 

@@ -2,8 +2,8 @@
 
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.logs import logging_to
-from studies.assessment.larger import with_larger
-from studies.assessment.reached import assessed_table, cost_table
+from studies.assessment.larger_assessment import with_larger
+from studies.assessment.report_tables import assessed_table, cost_table
 from studies.frame.checked_files import read_checked
 from studies.frame.datasets import CURVES
 

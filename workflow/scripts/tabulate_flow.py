@@ -3,7 +3,7 @@
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
-from studies.paper.checks import flow_table
+from studies.paper.apertures import flow_table
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -2,7 +2,7 @@
 
 from jointclosure.storage.files import read_csv, write_csv, write_text
 from jointclosure.storage.logs import logging_to
-from studies.paper.layout import case_table, rock_table, table_3_markdown
+from studies.paper.tables_1_to_3 import case_table, rock_table, table_3_markdown
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

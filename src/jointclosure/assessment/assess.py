@@ -19,9 +19,9 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.assessment.effect_names import lacks_effects, without
-from jointclosure.compilation.sources import code_digest
-from jointclosure.ensembles.joints import Reading, simulate_row
-from jointclosure.execution.workers import Failed, number_of_workers, shared
+from jointclosure.compilation.code_digests import code_digest
+from jointclosure.ensembles.simulation import Reading, simulate_row
+from jointclosure.execution.workers import Failed, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
     Changes,
@@ -29,11 +29,11 @@ from jointclosure.joint.conditions import (
     conditions_from,
     takes_scans,
 )
-from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
-from jointclosure.joint.warmup import compile_kernels, kernels_of
+from jointclosure.joint.wall_checks import checked_walls
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, Numerics
-from jointclosure.statistics.standard_errors import percent, with_equal_decimals
+from jointclosure.statistics.number_texts import percent, with_equal_decimals
 from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
 from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
@@ -140,7 +140,7 @@ class Assessment:
 
     @property
     def sentences(self) -> list[str]:
-        """Conclusions for the request."""
+        """Conclusions in words: limits of the accuracy, effects that are needed, and hardness."""
         worst = self.hardness.iloc[0]
         subject = "this joint" if self._lone else f"joint {worst.joint}"
         words = f"{subject} is {worst.verdict} ({_MEANINGS[worst.verdict]}): {worst.reason}"
@@ -523,7 +523,7 @@ def closures_of(
         if line.endswith("}}"):  # another one was cut off
             entry = json.loads(line)
             kept[entry["key"]] = entry["row"]
-    code = code_digest("jointclosure.ensembles.joints:simulate_row")
+    code = code_digest("jointclosure.ensembles.simulation:simulate_row")
     walls = [digest(*(wall.tobytes() for wall in pair)) for pair in pairs]
     keys = {(v, j, copy): digest(code, walls[j], copy, variants[v]) for v, j, copy in tasks}
     missing = [task for task in tasks if keys[task] not in kept]
@@ -534,9 +534,9 @@ def closures_of(
         )
         for name, joint, copy in missing
     ]
-    for kernel in kernels_of({variants[name].model for name, *_ in missing}):
-        compile_kernels(*kernel)  # before processes need them, and no part of a measured time
-    for done, (at, row) in enumerate(shared(simulate_row, asked, processes), start=1):
+    # before processes need them, and no part of a measured time
+    prepare_kernels({variants[name].model for name, *_ in missing}, processes)
+    for done, (at, row) in enumerate(in_processes(simulate_row, asked, processes), start=1):
         name = missing[at][0]
         key = keys[missing[at]]
         if isinstance(row, Failed):

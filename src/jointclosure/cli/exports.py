@@ -11,13 +11,13 @@ import xarray as xr
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
 from jointclosure.joint.status import LOADING, ONLY_BOUNDS
 from jointclosure.joint.tables import columns_of, curve_table, cycle_table
-from jointclosure.statistics.standard_errors import percent
+from jointclosure.statistics.number_texts import percent
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where

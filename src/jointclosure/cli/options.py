@@ -14,13 +14,13 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
-from jointclosure.measured.joints import MeasuredJoint
+from jointclosure.measured.joint_arguments import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
+from jointclosure.walls.jrc import RELATIONS
 from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
-from jointclosure.walls.roughness import RELATIONS
 from jointclosure.walls.synthesis import NORMALISATIONS, RULES
 
 UNITS = (

@@ -22,7 +22,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.laws import LAWS, fitted_laws
 from jointclosure.joint.status import LOADING
-from jointclosure.statistics.standard_errors import ABSENT, number_text, percent_number
+from jointclosure.statistics.number_texts import ABSENT, number_text, percent_number
 from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf

@@ -21,11 +21,7 @@ from jointclosure.joint.tables import (
     has_bands,
     wider_columns_of,
 )
-from jointclosure.statistics.standard_errors import (
-    number_text,
-    significant,
-    with_equal_decimals,
-)
+from jointclosure.statistics.number_texts import number_text, significant, with_equal_decimals
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget

@@ -14,22 +14,17 @@ import pandas as pd
 from jointclosure.cli import options, results
 from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.inputs.remarks import caution, cautions
-from jointclosure.walls.gridding import (
-    LARGEST_FILLED_SHARE,
-    MISSING,
-    filled,
-    point_distance,
-    wall_on_grid,
-)
+from jointclosure.walls.gridding import point_distance, wall_on_grid
 from jointclosure.walls.levelling import levelled
-from jointclosure.walls.measures import Measure, measure_wall
+from jointclosure.walls.missing_heights import LARGEST_FILLED_SHARE, MISSING, fill_missing
 from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
-from jointclosure.walls.profiles import levelled_profile, measure_profile, read_profile
+from jointclosure.walls.profile_roughness import levelled_profile, measure_profile, read_profile
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_quality import resolution_remarks
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.wall_roughness import Measure, measure_wall
 
 _MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"
 
@@ -69,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
             *smoothing_of(scan, wall, step),
             *resolution_remarks(measured, wall, step, scan),
         ]
-        wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)
+        wall = fill_missing(wall, arguments.missing, LARGEST_FILLED_SHARE)
         measures = measure_wall(wall, step)
     except InputError as error:
         reasons = [str(error), *cautions(scan.remarks)]

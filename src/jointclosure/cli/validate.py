@@ -15,7 +15,7 @@ joints simulates only those that are missing.
 import argparse
 
 from jointclosure.cli import options, results
-from jointclosure.measured.region import NUMERICS, validate
+from jointclosure.measured.validation import NUMERICS, validate
 
 
 def declare(command: argparse.ArgumentParser) -> None:

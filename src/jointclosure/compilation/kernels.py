@@ -29,7 +29,7 @@ from numba.core.caching import (
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 
-from jointclosure.compilation.sources import PACKAGE, cache_root, code_digest
+from jointclosure.compilation.code_digests import PACKAGE, cache_root, code_digest
 
 SHIPPED = PACKAGE / "compiled"
 """Machine code in the package, made by ``python -m jointclosure.joint.warmup ship``."""
@@ -162,13 +162,31 @@ def compiles() -> int:
 
 def stored_kernels() -> tuple[int, int | None]:
     """Return the number of kernels whose machine code is stored, and of all; None if not known."""
-    folders = [cache_folder()]
-    if _runs_shipped_code(cpu_target.target_context.codegen().magic_tuple()):
-        folders.append(SHIPPED / cache_folder().name)
-    kernels = {file.relative_to(folder) for folder in folders for file in folder.rglob("*.nbi")}
-    stated = [folder / _NUMBER for folder in folders if (folder / _NUMBER).is_file()]
-    numbers = [int(file.read_text(encoding="utf-8")) for file in stated]
-    return len(kernels), max(numbers, default=None)
+    folders = [cache_folder(), *_shipped_folder()]
+    kernels = {kernel for folder in folders for kernel in _kernels_in(folder)}
+    return len(kernels), max(filter(None, map(_stated_number, folders)), default=None)
+
+
+def all_are_shipped() -> bool:
+    """Return whether the machine code of all kernels is shipped for a processor like this one."""
+    return any(_stated_number(folder) == len(_kernels_in(folder)) for folder in _shipped_folder())
+
+
+def _shipped_folder() -> list[Path]:
+    """Return the folder of the shipped kernels, if this processor can run them."""
+    runs = _runs_shipped_code(cpu_target.target_context.codegen().magic_tuple())
+    return [SHIPPED / cache_folder().name] if runs else []
+
+
+def _kernels_in(folder: Path) -> set[Path]:
+    """Return the names of the kernels whose machine code is in a folder."""
+    return {file.relative_to(folder) for file in folder.rglob("*.nbi")}
+
+
+def _stated_number(folder: Path) -> int | None:
+    """Return the number of all kernels that a folder states; None if it states none."""
+    file = folder / _NUMBER
+    return int(file.read_text(encoding="utf-8")) if file.is_file() else None
 
 
 def store_number_of_kernels() -> None:

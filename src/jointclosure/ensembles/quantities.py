@@ -7,10 +7,11 @@ import numpy as np
 
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.attributes import ATTRIBUTES
-from jointclosure.joint.cycles import hysteresis, largest_jump, loop_between
+from jointclosure.joint.cycle_results import hysteresis, largest_jump, loop_between
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.status import LOADING, unbreakable_share
-from jointclosure.walls.roughness import bearing_depths, rms_slope
+from jointclosure.walls.bearing_area import bearing_depths
+from jointclosure.walls.jrc import rms_slope
 
 CYCLE = ("cycle",)
 CURVE = ("cycle", "branch", "stress")
@@ -80,7 +81,10 @@ def _history(
     symbol: str = "",
     rule: Callable[[SimulatedJoint], Any] | None = None,
 ) -> Quantity:
-    """Make a quantity of a variable of a history, read as it is or by another rule."""
+    """Make a quantity with the title and unit of a variable of a history, read by ``rule``.
+
+    By default it is the variable itself.
+    """
     further = dict(ATTRIBUTES[name])
     title = further.pop("long_name")
     unit = further.pop("units", "1")

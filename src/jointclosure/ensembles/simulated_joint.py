@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import History, history_of
 from jointclosure.joint.laws import loading_hyperbolas
 from jointclosure.walls import Walls

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from jointclosure.compilation.sources import code_digest
+from jointclosure.compilation.code_digests import code_digest
 from jointclosure.execution.progress import Countdown
-from jointclosure.execution.workers import Failed, ProcessLostError, shared
+from jointclosure.execution.workers import Failed, ProcessLostError, in_processes
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import digest
 from jointclosure.storage.logs import logging_to
@@ -73,7 +73,7 @@ def make_missing(
     """Make the files of entries that are not kept, each with its log and benchmark.
 
     ``prepare`` is called before the processes start, if anything is missing. ``apart`` is as for
-    `shared`. If some could not be made, an error is raised after all others are: `InputError` if
+    `in_processes`. If some could not be made, an error is raised after all others: `InputError` if
     that was the first reason, or else `RuntimeError`.
     """
     entries = list(entries)
@@ -89,7 +89,7 @@ def make_missing(
     done = Countdown(title, sum(entry.joints for entry in missing), report)
     failed: list[tuple[Exception, str]] = []
     tasks = [(entry, entry.key, folder) for entry in missing]
-    for place, answer in shared(_make, tasks, workers, apart):
+    for place, answer in in_processes(_make, tasks, workers, apart):
         if isinstance(answer, Failed):
             reason = _described(missing[place], answer.error)
             failed.append((answer.error, reason))

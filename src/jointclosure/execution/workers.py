@@ -46,7 +46,7 @@ def number_of_workers(workers: int | None) -> int:
     return workers
 
 
-def shared(
+def in_processes(
     function: Callable[..., Any], tasks: Sequence[tuple], workers: int, apart: bool = False
 ) -> Iterator[tuple[int, Any]]:
     """Generate (place, result or `Failed`) of calls of a function, in the order in which they end.

@@ -229,13 +229,12 @@ class History:
 
     @cached_property
     def landing_stresses(self) -> np.ndarray:
-        """Stress (cycles,) [Pa] at the end of the last whole step of each loading.
+        """Stress (cycles,) [Pa] at the end of the last step of full size of each loading.
 
-        From there smaller steps land on the maximum. It is infinite without such steps: for
-        elastic, resolved or interpolated loadings, and where the maximum is no new one.
-
-        The paper's steps pass the maximum, and smaller steps then land on it. Closures beyond the
-        landing stress come from these smaller steps.
+        The paper's steps pass the maximum, and are then repeated in smaller steps that land on it.
+        Closures at higher stresses come from these smaller steps. The stress is infinite where no
+        smaller steps are taken: in elastic loadings, with resolved breakage or interpolation to the
+        maximum, and where an earlier maximum is not exceeded.
         """
         return np.array([self._landing_stress(cycle) for cycle in self.cycles])
 

@@ -34,10 +34,11 @@ _COLUMNS = [
 
 
 class Law(NamedTuple):
-    """Names and units of the parameters of a law by column, with two functions of it.
+    """Empirical law of closure over stress, which `fit_law` fits.
 
-    They are closure(stress, seating, *parameters) [mm], and guess(stress, closure, seating) of the
-    parameters, for stresses in MPa.
+    ``parameters`` are names and units of its parameters by column. ``closure(stress, seating,
+    *parameters)`` is the closure [mm] at stresses [MPa], and ``guess(stress, closure, seating)``
+    the parameters from which the fit starts.
     """
 
     parameters: dict[str, tuple[str, str]]

@@ -79,10 +79,10 @@ class StepRecord(NamedTuple):
 class _Run:
     """Mutable state of `run_cycles`."""
 
-    def __init__(self, joint, solver, numerics, cycles, seating_force, report, observers):
+    def __init__(self, joint, solver, cycles, seating_force, report, observers):
         self.joint: Joint = joint
         self.solver: Solver = solver
-        self.numerics: Numerics = numerics
+        self.numerics: Numerics = joint.numerics
         self.seating_force = seating_force
         self.report = report
         self.observers = observers
@@ -96,7 +96,7 @@ class _Run:
         self.closure_limit = closure_limit(joint, largest)
         self.idle_steps = 0
         self.idle_displacement = 0.0
-        may_be_idle = joint.interaction_acts and numerics.idle_interaction > 0.0
+        may_be_idle = joint.interaction_acts and self.numerics.idle_interaction > 0.0
         # it pays where neither few nor most cells carry the largest force at the strength
         cells = largest / (joint.compressive_strength * joint.law.spacing**2)
         few_enough = _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
@@ -169,7 +169,6 @@ class _Run:
 def run_cycles(
     joint: Joint,
     solver: Solver,
-    numerics: Numerics,
     cycles: Sequence[LoadCycle],
     seating_force: float = 0.0,
     report: Report | None = None,
@@ -182,10 +181,11 @@ def run_cycles(
     and elastic branches of joints whose breakage is resolved have one near it.
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
-        history = _elastic_cycles(joint, solver, numerics, cycles, seating_force)
+        history = _elastic_cycles(joint, solver, cycles, seating_force)
         _show_elastic(joint, solver, history, observers)
         return history
-    run = _Run(joint, solver, numerics, cycles, seating_force, report, observers)
+    run = _Run(joint, solver, cycles, seating_force, report, observers)
+    numerics = joint.numerics
     run.accept(1, LOADING, _untouched(joint))
     elastic = False
     replayed = 0
@@ -221,11 +221,11 @@ def run_cycles(
     return StepRecord(run.steps, run.status, run.effort, replayed, *idle)
 
 
-def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> StepRecord:
+def _elastic_cycles(joint, solver, cycles, seating_force) -> StepRecord:
     """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
     start = _untouched(joint)
     height = _mean_height(joint)
-    forces = _elastic_forces(numerics, cycles, seating_force)
+    forces = _elastic_forces(joint.numerics.curve_points, cycles, seating_force)
     curve = solver.elastic_curve(joint, forces[1:])
     failed = curve[-1].outcome != Outcome.CONVERGED
     status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
@@ -246,10 +246,10 @@ def _elastic_cycles(joint, solver, numerics, cycles, seating_force) -> StepRecor
     return StepRecord(steps, status, Effort(*map(sum, counts)))
 
 
-def _elastic_forces(numerics, cycles, seating_force) -> np.ndarray:
-    """Return the forces of an elastic curve [N]: evenly spaced from 0, at seating and at turns."""
+def _elastic_forces(count, cycles, seating_force) -> np.ndarray:
+    """Return ``count`` + 1 evenly spaced forces [N] of an elastic curve, with seating and turns."""
     largest = max(cycle.maximum for cycle in cycles)
-    forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
+    forces = largest * np.arange(count + 1) / count
     # skip a turn or seating that equals one of them up to rounding: its step would have no length
     turns = {force for cycle in [*cycles, [seating_force]] for force in cycle if force <= largest}
     apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]

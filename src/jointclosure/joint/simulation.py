@@ -20,17 +20,17 @@ from jointclosure.joint.conditions import (
     model_attributes,
     takes_conditions,
 )
-from jointclosure.joint.cycles import unloading_excess
-from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
+from jointclosure.joint.cycle_results import unloading_excess
+from jointclosure.joint.feasibility import (
+    check_elastic_steps,
+    check_feasible,
+    joint_strength,
+)
 from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import both_walls
-from jointclosure.joint.states import Snapshots, fields_of
+from jointclosure.joint.snapshots import Snapshots, fields_of
 from jointclosure.joint.status import UNLOADING
-from jointclosure.joint.step_control import (
-    check_elastic_steps,
-    check_foreseen,
-    strength_of_all_cells,
-)
+from jointclosure.joint.wall_checks import checked_walls, warn_of_doubts
 from jointclosure.parameters import (
     AS_IT_IS,
     USUAL,
@@ -212,10 +212,11 @@ class Simulation:
             numerics,
             _pristine(pristine, upper.shape, self.datums, choices),
         )
+        self._strength = joint_strength(self.joint)
         largest = float(conditions.largest_stress)
         cycles = len(conditions.load)
         if conditions.effects.breakage or self.solver.elastic_curve is None:
-            check_foreseen(self.joint, numerics, largest, cycles)
+            check_feasible(self.joint, self._strength, largest, cycles)
         else:
             check_elastic_steps(numerics, cycles)
 
@@ -223,10 +224,9 @@ class Simulation:
     def share_of_strength(self) -> float:
         """Largest stress over that which all cells of the intact joint carry together.
 
-        It is 0 where nothing bounds this stress (`strength_of_all_cells`).
+        It is 0 where nothing bounds this stress (`Strength`).
         """
-        strongest = strength_of_all_cells(self.joint, self.joint.numerics)
-        return float(self.conditions.largest_stress) / strongest
+        return float(self.conditions.largest_stress) / self._strength.of_joint
 
     def near_strength(self) -> list[str]:
         """Say that the simulation will be slow, if the stress is near the strength of all cells."""
@@ -268,9 +268,7 @@ class Simulation:
             observers.append(Snapshots(self.snapshots, tolerance, self.datums))
         forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load]
         seating_force = cast(float, conditions.seating_stress) * area
-        history = protocol.run_cycles(
-            joint, self.solver, joint.numerics, forces, seating_force, report, observers
-        )
+        history = protocol.run_cycles(joint, self.solver, forces, seating_force, report, observers)
         joint.upper += self.datums[0]
         joint.lower += self.datums[1]
         closed = _history_dataset(joint, history, area, conditions)

@@ -1,15 +1,11 @@
-"""Displacement steps of a history: least number, and size (decisions.md#0010-resolved-breakage)."""
+"""Size of the displacement steps of a history (decisions.md#0010-resolved-breakage)."""
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 
-from jointclosure.inputs import InputError
-from jointclosure.parameters import Effects, Numerics
-from jointclosure.solvers.contacts import separate_shift
-from jointclosure.solvers.fast import BAND
-from jointclosure.solvers.joint import Joint, Settled
+from jointclosure.parameters import Numerics
+from jointclosure.solvers.joint import Settled
 
 _CORRECTION = 250.0
 """Allowed relative error of the predicted force of a step, over `Numerics.tolerance`. This and the
@@ -172,138 +168,3 @@ class StepControl:
 def must_repeat(step: float, following: float) -> bool:
     """Return whether a step is so much longer than the following one that it must be repeated."""
     return following < _RETRY * step
-
-
-_CRUSHING = 3e6
-"""Breakage steps over the number of cells needed to crush a rock to powder with resolved breakage.
-Measured: 1.3e9 steps on 20 x 20 cells of dolerite at 3 MPa with a largest radius of 1 mm, in 93 s;
-6e3 steps with 1.5 mm."""
-
-
-_ELASTIC_STEPS = 10.0  # steps of an elastic history over `Numerics.most_steps`: they are cheap
-
-
-def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int) -> None:
-    """Raise `InputError` for a simulation that would take too many steps.
-
-    It needs more displacement steps than `Numerics` allows, or a stress [Pa] above the strength of
-    all cells together.
-    """
-    steps, closure = displacement_steps(joint, numerics, max_normal_stress, cycles)
-    if steps > numerics.most_steps:
-        least = numerics.displacement_step * steps / numerics.most_steps
-        raise InputError(
-            f"displacement_step = {numerics.displacement_step!r} m: a closure of {closure:.3g} m, "
-            "without which these walls do not carry the stress, and the later branches take "
-            f"{steps:.3g} steps or more, most_steps = {numerics.most_steps:g}; must be at least "
-            f"{least:.3g} m, and later_displacement_step too, or most_steps larger (is the unit of "
-            "the heights right?)"
-        )
-    strength = largest_strength(joint, numerics)
-    radius = joint.choices.largest_radius
-    crushed = strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING
-    if crushed and joint.choices.strength_bound == "base":
-        raise InputError(
-            f"max_normal_stress (--stress) = {1e-6 * max_normal_stress:g} MPa: must be less than "
-            f"{1e-6 * strength:.3g} MPa, which all cells together carry with strength_bound = "
-            "'base' (or strength_bound, --strength-bound, must be 'none', without such a limit)"
-        )
-    if crushed and radius:
-        least = radius * math.sqrt(max_normal_stress / strength)
-        raise InputError(
-            f"largest_radius = {radius!r} m: with this radius all cells together carry "
-            f"{strength:.3g} Pa, less than max_normal_stress = {max_normal_stress:g} Pa, and "
-            "resolved breakage would take practically unlimited time to crush them; must be at "
-            f"least {least:.2g} m (or None, or breakage = 'fixed_step', or most_breakage_steps "
-            f"at least {_CRUSHING:g})"
-        )
-
-
-def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
-    """Raise `InputError` for too many steps of an elastic history.
-
-    At most `_ELASTIC_STEPS` times `Numerics.most_steps` are allowed.
-    """
-    steps = 2.0 * cycles * numerics.curve_points
-    if steps > _ELASTIC_STEPS * numerics.most_steps:
-        raise InputError(
-            f"curve_points = {numerics.curve_points}: with {cycles} cycles the history has "
-            f"{steps:.3g} steps, must have at most {_ELASTIC_STEPS:g} times most_steps = "
-            f"{numerics.most_steps:g}"
-        )
-
-
-def displacement_steps(
-    joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int
-) -> tuple[float, float]:
-    """Estimate the displacement steps of a history and the closure of its first loading [m].
-
-    The closure is the elastic one, or `crushed_closure` if that is larger. Later branches count as
-    elastic.
-    """
-    reach = float(np.ptp(joint.upper + joint.lower))
-    cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
-    contacts = joint.contacts(cells, overlap, compliance)
-    target = max_normal_stress * joint.upper.size * joint.law.spacing**2
-    closure = float(separate_shift(contacts, target)) + reach
-    first = numerics.displacement_step
-    if numerics.breakage == "resolved":
-        first *= LARGEST_STEP
-    later = (2 * cycles - 1) * closure / numerics.later_displacement_step
-    closure = max(closure, crushed_closure(joint, numerics, target))
-    return closure / first + later, closure
-
-
-def crushed_closure(joint: Joint, numerics: Numerics, target: float) -> float:
-    """Return a closure [m] below which too few cells are in contact for a force [N].
-
-    It takes at least n cells, each with the largest strength of a cell, to carry the force. If the
-    n highest are crushed to one level, gouge does not raise this level above their mean height. The
-    closure is 0 if the strength of a cell is not bounded.
-    """
-    strengths = cell_strengths(joint, numerics) if joint.effects.breakage else None
-    if strengths is None:
-        return 0.0
-    summed = (joint.upper + joint.lower).ravel()
-    count = min(math.ceil(target / float(strengths.max())), summed.size)
-    highest = np.partition(summed, summed.size - count)[summed.size - count :]
-    return joint.first_touch - float(highest.mean())
-
-
-def cell_strengths(joint: Joint, numerics: Numerics) -> np.ndarray | None:
-    """Return the largest force [N] of each cell (y, x) that is not locked; None if unbounded."""
-    law = joint.law
-    flattest = np.maximum(2.0 * law.least_curvature, law.filling)[joint.peaks]
-    if not flattest.all():
-        return None
-    # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
-    beyond = (1.0 + 0.5 * BAND * numerics.tolerance) ** 1.5
-    return beyond * law.breaking_force[joint.peaks] / flattest**2
-
-
-def crushes_resolved(effects: Effects, numerics: Numerics) -> bool:
-    """Return whether breakage is resolved with gouge, so that all cells can be crushed at once."""
-    return numerics.breakage == "resolved" and effects.gouge
-
-
-def strength_of_all_cells(joint: Joint, numerics: Numerics) -> float:
-    """Return the stress [Pa] that all cells of a joint carry together, if none is locked.
-
-    It is infinite unless rock breaks with gouge and the strength of cells is bounded.
-    """
-    breaks = joint.effects.breakage and joint.effects.gouge
-    strengths = cell_strengths(joint, numerics) if breaks else None
-    if strengths is None:
-        return math.inf
-    return float(strengths.sum()) / (joint.upper.size * joint.law.spacing**2)
-
-
-def largest_strength(joint: Joint, numerics: Numerics) -> float:
-    """Return the largest stress [Pa] that a joint can be simulated at, if no cell is locked.
-
-    It is that of all cells together with resolved breakage, which does not end beyond it; fixed
-    steps end by their number, and have none.
-    """
-    if not crushes_resolved(joint.effects, numerics):
-        return math.inf
-    return strength_of_all_cells(joint, numerics)

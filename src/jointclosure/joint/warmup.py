@@ -17,6 +17,7 @@ import numpy as np
 from jointclosure.compilation.kernels import (
     PROCESSOR,
     SHIPPED,
+    all_are_shipped,
     cache_folder,
     store_number_of_kernels,
 )
@@ -70,6 +71,27 @@ def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: A
         equilibrium(*walls, closure=1e-4, **joint | {"choices": Choices()})
 
 
+def all_kernels() -> list[list[str]]:
+    """Return the entries of `kernels_of` that are shipped: those of all well-posed scenes."""
+    kernels = []
+    for scene, peaks in product(map(scene_name, well_posed_scenes()), ("pristine", "current")):
+        kernels.append([scene, peaks, "base", "reference", "fixed_step"])
+        for bound in ("base", "none") if scene_of(scene).breakage else ("base",):
+            kernels += [[scene, peaks, bound, "fast", way] for way in ("fixed_step", "resolved")]
+    return kernels
+
+
+def prepare_kernels(models: Iterable[tuple[Effects, Choices, Numerics]], workers: int = 1) -> None:
+    """Compile the kernels of models, or load them, before ``workers`` processes need them.
+
+    With several workers this process needs no kernel, and loads none of those that are shipped.
+    """
+    shipped = all_kernels() if workers > 1 and all_are_shipped() else []
+    for kernel in kernels_of(models):
+        if kernel not in shipped:
+            compile_kernels(*kernel)
+
+
 def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
     """Compile kernels of `kernels_of`, or load them; return their list as text."""
     log(f"kernels are kept in {cache_folder()}")
@@ -92,11 +114,8 @@ def main(words: list[str]) -> None:
         for old in set(SHIPPED.glob("*")) - {SHIPPED / cache_folder().name}:
             shutil.rmtree(old) if old.is_dir() else old.unlink()
         os.execve(sys.executable, program, os.environ | environment)
-    for scene, peaks in product(well_posed_scenes(), ("pristine", "current")):
-        compile_kernels(scene_name(scene), peaks, "base", "reference", "fixed_step")
-        for bound in ("base", "none") if scene.breakage else ("base",):
-            for breakage in ("fixed_step", "resolved"):
-                compile_kernels(scene_name(scene), peaks, bound, "fast", breakage)
+    for kernel in all_kernels():
+        compile_kernels(*kernel)
     store_number_of_kernels()
 
 

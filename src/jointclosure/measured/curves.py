@@ -18,7 +18,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.joint.interpolation import crossing
 from jointclosure.joint.status import LOADING, UNLOADING
-from jointclosure.measured import logs
+from jointclosure.measured import dense_logs
 from jointclosure.measured.headings import (
     CLOSURE_UNITS,
     FORCE_UNITS,
@@ -70,19 +70,19 @@ class MeasuredCurve(NamedTuple):
         """Return the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
-    def ascending(self, cycle: int) -> dict[str, logs.MeasuredBranch]:
+    def ascending(self, cycle: int) -> dict[str, dense_logs.MeasuredBranch]:
         """Return loading and unloading of a cycle, both in ascending order of stress.
 
-        Dense logs whose values scatter are averaged (`jointclosure.measured.logs.averaged`).
+        Dense logs whose values scatter are averaged (`jointclosure.measured.dense_logs.averaged`).
         """
         here = self.cycle == cycle
         stress = self.stress[here]
         closure = self.closure[here]
-        top = logs.place_of_largest(stress) + 1
+        top = dense_logs.place_of_largest(stress) + 1
         back = slice(None, top - 1 if top else None, -1)
         return {
-            LOADING: logs.averaged(stress[:top], closure[:top]),
-            UNLOADING: logs.averaged(stress[back], closure[back]),
+            LOADING: dense_logs.averaged(stress[:top], closure[:top]),
+            UNLOADING: dense_logs.averaged(stress[back], closure[back]),
         }
 
     def branches(self, cycle: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -93,7 +93,7 @@ class MeasuredCurve(NamedTuple):
     def first_loading(self) -> "MeasuredCurve":
         """Return the curve up to the largest stress of its first cycle."""
         here = np.flatnonzero(self.cycle == self.cycle.min())
-        here = here[: logs.place_of_largest(self.stress[here]) + 1]
+        here = here[: dense_logs.place_of_largest(self.stress[here]) + 1]
         return MeasuredCurve(*(column[here] for column in self))
 
     def since_seating(self, cycle: int, seating_stress: float):
@@ -230,10 +230,10 @@ def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
     Raise `InputError` for a later loading that closes the joint further than the first: it is
     probably of another specimen.
     """
-    ends = [0, *logs.troughs(curve.stress), curve.stress.size - 1]
+    ends = [0, *dense_logs.troughs(curve.stress), curve.stress.size - 1]
     parts = [np.arange(start, end + 1) for start, end in itertools.pairwise(ends)]
     first, *others = (
-        np.ptp(curve.closure[part[: 1 + logs.place_of_largest(curve.stress[part])]])
+        np.ptp(curve.closure[part[: 1 + dense_logs.place_of_largest(curve.stress[part])]])
         for part in parts
     )
     for part, later in zip(parts[1:], others, strict=True):
@@ -513,7 +513,7 @@ def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
     _check_sizes(curve, name)
     for cycle in curve.cycles:
         here = curve.cycle == cycle
-        if again := logs.troughs(curve.stress[here]):
+        if again := dense_logs.troughs(curve.stress[here]):
             raise InputError(
                 f"{name}, line {curve.line[here][again[0]]}: cycle {cycle} is loaded again from "
                 f"{1e-6 * curve.stress[here][again[0]]:.3g} MPa: every loading must have a cycle "
@@ -553,7 +553,7 @@ def _check_sizes(curve: MeasuredCurve, name: str) -> None:
     for quantity, values in (("stress", curve.stress), ("closure", curve.closure)):
         if not np.isfinite(values).all():
             raise InputError(f"{name}: {quantity} has values that are not finite")
-        if (numbers := logs.spikes(values)).size:
+        if (numbers := dense_logs.spikes(values)).size:
             at = int(numbers[0])
             size, unit = {"stress": (1e-6, "MPa"), "closure": (1e3, "mm")}[quantity]
             raise InputError(
@@ -563,7 +563,7 @@ def _check_sizes(curve: MeasuredCurve, name: str) -> None:
             )
     largest = float(curve.stress.max())
     least = float(curve.stress.min())
-    if least < -_OF_SCATTER * logs.scatter_of(curve.stress):
+    if least < -_OF_SCATTER * dense_logs.scatter_of(curve.stress):
         line = curve.line[int(np.argmin(curve.stress))]
         sign = "; compression is positive, change the sign" if -least > largest else ""
         raise InputError(

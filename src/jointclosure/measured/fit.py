@@ -11,21 +11,26 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.inputs.keywords import takes
 from jointclosure.inputs.remarks import caution
-from jointclosure.measured.agreement import about_share, intervals
-from jointclosure.measured.calibration import (
+from jointclosure.measured.compared_quantities import about_share, prediction_intervals
+from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.measured.joint_arguments import JointKeywords, MeasuredJoint, asked_joints
+from jointclosure.measured.likelihood import (
     Interval,
     Likelihood,
     Readings,
     Simulated,
     likelihood_of,
-    logs_of,
+    log_readings,
     reading_sentences,
 )
-from jointclosure.measured.closing import ADVICE, Joints, Later, numerical_sentence
-from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.joints import JointKeywords, MeasuredJoint, asked_joints
+from jointclosure.measured.simulated_joints import (
+    ADVICE,
+    ComparisonJoints,
+    LaterLoading,
+    numerical_sentence,
+)
 from jointclosure.parameters import RESOLVED, Numerics
-from jointclosure.statistics.standard_errors import percent, significant
+from jointclosure.statistics.number_texts import percent, significant
 
 WAVELENGTHS = 8  # mismatch wavelengths at which joints are simulated
 STRENGTHS = 4  # strengths at which joints are simulated, if they are fitted
@@ -66,7 +71,7 @@ class Fit(NamedTuple):
     closure_error: float  # relative
     curve: MeasuredCurve
     scanned: bool
-    numerical: Mapping[str, tuple[float, float]]  # as from `Joints.numerical_changes`
+    numerical: Mapping[str, tuple[float, float]]  # as from `ComparisonJoints.numerical_changes`
 
     @property
     def interval_holds(self) -> bool:
@@ -124,7 +129,7 @@ class Fit(NamedTuple):
         result = []
         nodes = np.linspace(0.0, 1.0, len(joints))
         at = np.linspace(0.0, 1.0, fine.size)
-        for one, *ends in intervals(self.measured, joints, self.closure_error):
+        for one, *ends in prediction_intervals(self.measured, joints, self.closure_error):
             value = float(one.values)
             least, most = (np.interp(at, nodes, end) for end in ends)
             apart = np.maximum(np.maximum(least - value, value - most), 0.0)
@@ -224,7 +229,8 @@ def fit(
     progress : bool
         Whether to print the assumptions before joints are simulated, and to show the progress.
     **joint
-        Fields of `jointclosure.measured.joints.MeasuredJoint`: rock, roughness or scans, size.
+        Fields of `jointclosure.measured.joint_arguments.MeasuredJoint`: rock, roughness or scans,
+        size.
 
     Returns
     -------
@@ -237,7 +243,7 @@ def fit(
 
     Notes
     -----
-    See `jointclosure.measured.calibration`: the likelihood is from the scatter of joints, and
+    See `jointclosure.measured.likelihood`: the likelihood is from the scatter of joints, and
     assumes that the model is right and that rock, roughness and size are known. Closures of the
     model are net of the indentation of the half-spaces
     (`jointclosure.joint.history.History.net`).
@@ -256,9 +262,9 @@ def fit(
         print("\n".join(f"- {line}" for line in pair.report))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
-    joints = Joints(
+    joints = ComparisonJoints(
         given, given.conditions(numerics), tuple(strengths.tolist()),
-        (surfaces * strengths.size, surfaces, 1), (Later(),), cache, workers,
+        (surfaces * strengths.size, surfaces, 1), (LaterLoading(),), cache, workers,
         partial(print, flush=True) if progress else lambda line: None,
     )  # fmt: skip
     joints.check([usual])
@@ -266,7 +272,7 @@ def fit(
     if simulated is None:
         closures = joints.closures()
         net = (closures - closures[..., :1, :1])[0]
-        logs = logs_of(closures[0], joints.stresses, measured)
+        logs = log_readings(closures[0], joints.stresses, measured)
         simulated = Simulated(logs, net, joints.stresses)
     expected = wavelengths.size, strengths.size, surfaces, measured.values.size
     if simulated.logs.shape != expected:

@@ -1,8 +1,13 @@
-"""Figures from datasets and tables; they read no files and compute no results of a study."""
+"""Figures from datasets and tables; they read no files and compute no results of a study.
+
+`jointclosure.plot` is the module ``plot``, which is imported when it is first used.
+"""
 
 import os
 
-from jointclosure.compilation.sources import has_home, temporary_cache
+import lazy_loader
+
+from jointclosure.compilation.code_digests import has_home, temporary_cache
 from jointclosure.inputs.extras import needs
 
 if not has_home():  # without a home matplotlib does not start
@@ -10,3 +15,5 @@ if not has_home():  # without a home matplotlib does not start
 with needs("figures", "a figure"):
     import matplotlib as _  # noqa: F401
     import seaborn as __  # noqa: F401
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submodules=["plot"])

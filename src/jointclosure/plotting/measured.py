@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 from jointclosure.joint.status import BRANCHES, LOADING
-from jointclosure.measured.calibration import Likelihood
 from jointclosure.measured.fit import Fit
-from jointclosure.measured.region import MECHANISMS, NEITHER, Region
+from jointclosure.measured.likelihood import Likelihood
+from jointclosure.measured.validation import MECHANISMS, NEITHER, Region
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.statistics.standard_errors import CONFIDENCE
 

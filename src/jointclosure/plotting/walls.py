@@ -12,10 +12,10 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
-from jointclosure.statistics.standard_errors import percent
-from jointclosure.walls.measures import increments
+from jointclosure.statistics.number_texts import percent
 from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.wall_roughness import increments
 
 FIRST_TOUCH: dict[str, Any] = {
     "mfc": "none",

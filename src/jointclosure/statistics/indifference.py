@@ -318,7 +318,7 @@ def indifference_interval(
     Eqs. (24) to (29). With more than three levels the quadratics are
     least-squares fits, and x_M and S_M their values at the base.
     """
-    levels, means, deviations, base = checked(
+    levels, means, deviations, base = checked_levels(
         levels, means, standard_deviations, samples, significance, base
     )
     _, deviation, critical, (u,) = _solve(levels, means, deviations, samples, significance, base)
@@ -363,7 +363,7 @@ def lengths_of_responses(
     varying = []
     quartics = []
     for response in responses:
-        levels, means, deviations, base = checked(
+        levels, means, deviations, base = checked_levels(
             *response[:3], samples, significance, response.base, many=True
         )
         mean, _, _, varies, coefficients = _quartics(
@@ -484,7 +484,7 @@ def check_significance(significance: float) -> None:
         )
 
 
-def checked(
+def checked_levels(
     levels: ArrayLike,
     means: ArrayLike,
     deviations: ArrayLike,

@@ -136,7 +136,7 @@ def draw_studies(
     }
 
 
-def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
+def parameters_without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
     """Return the parameters without any effect: every level draws from the base pool."""
     return {
         key: Sensitivity(levels, base, (pools[list(levels).index(base)],) * len(pools))
@@ -227,7 +227,7 @@ def length_distribution(lengths: np.ndarray) -> LengthDistribution:
 
 
 def two_sided_p(lengths: np.ndarray, observed: float) -> float:
-    """Compute the two-sided mid-p value of a published length."""
+    """Compute the two-sided mid-p value of a published length among lengths (R,); NaN is a dash."""
     observed = np.inf if np.isnan(observed) else observed
     shorter = np.count_nonzero(lengths < observed)
     equal = np.count_nonzero(lengths == observed)

@@ -1,7 +1,6 @@
-"""Standard errors of results, ratios of means, and rounding of numbers to their errors."""
+"""Standard errors and confidence limits of results, and of ratios of means."""
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -95,111 +94,6 @@ def deviation_covariance(samples, paired: bool) -> np.ndarray:
     shared = np.divide(covariance**2, scale, out=np.zeros_like(scale), where=scale > 0.0)
     shared = shared / (2.0 * (np.shape(samples)[1] - 1))
     return shared if paired else np.diag(np.diag(shared))
-
-
-def rounded(value: float, standard_error: float) -> str:
-    """Format a number rounded to its error, such as "0.083 ± 0.004"."""
-    if np.isnan(value):
-        return ABSENT
-    if not np.isfinite(value) or not 0.0 < standard_error < np.inf:
-        return f"{value:.4g}"
-    digits = _places_of_error(standard_error)
-    places = max(digits, 0)
-    value = round(value, digits)
-    standard_error = round(standard_error, digits)
-    return f"{value + 0.0:.{places}f} ± {standard_error:.{places}f}"
-
-
-def _places_of_error(error: float) -> int:
-    """Return the decimals of a number with an error, of which one or two digits are shown.
-
-    There are two if they are below 36 (rule of the Particle Data Group).
-    """
-    exponent = int(f"{error:.2e}".partition("e")[2])
-    leading = round(error / 10.0**exponent, 2)
-    return 1 - exponent if leading < 3.55 else -exponent
-
-
-def significant(value: float, figures: int) -> str:
-    """Format a number with the given number of significant digits, without an exponent."""
-    if value == 0.0:
-        return "0"
-    rounded = float(f"{value:.{figures - 1}e}")
-    exponent = int(f"{abs(rounded):e}".split("e")[1])
-    return f"{rounded:.{max(figures - 1 - exponent, 0)}f}"
-
-
-ABSENT = "–"  # in a table, in place of a number
-
-
-def number_text(value: float, figures: int = 4) -> str:
-    """Format a number with significant digits for reading; `ABSENT` if it is missing."""
-    if math.isnan(value):
-        return ABSENT
-    if math.isinf(value):
-        return "∞" if value > 0.0 else "−∞"
-    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
-        return significant(value, figures)
-    return f"{value:.{figures - 1}e}"
-
-
-def with_equal_decimals(values: Sequence[float], figures: int = 2) -> list[str]:
-    """Format a number and the ends of its range with as many decimals each.
-
-    The first of them has the given number of significant digits, unless the range contains 0.
-    There are more decimals if the width of the range needs them, as an error does (`rounded`), and
-    if an end within two powers of ten would read as 0. Numbers of which none is between 1e-3 and
-    1e6 are written with exponents.
-
-    >>> with_equal_decimals([0.0974, 0.0908, 0.0996])
-    ['0.097', '0.091', '0.100']
-    """
-    known = [abs(value) for value in values if math.isfinite(value) and value != 0.0]
-    largest = max(known, default=0.0)
-    if known and not 1e-3 <= largest < 1e6:
-        return [number_text(value, figures) if value else "0" for value in values]
-    finite = [value for value in values if math.isfinite(value)]
-    low, high = min(finite, default=0.0), max(finite, default=0.0)
-    if not high > low and not known:
-        return ["0" if math.isfinite(value) else number_text(value) for value in values]
-    places = []
-    if low * high > 0.0:
-        first = next(abs(value) for value in finite)
-        places = [figures - 1 - _power(first, figures)]
-        places += [-_power(least, 1) for least in [min(known)] if least >= 1e-2 * first]
-    if high > low:  # of an interval about 0 a quarter is about a standard error
-        places.append(_places_of_error((high - low) / (1.0 if places else 4.0)))
-    return [_with_places(value, max(places)) for value in values]
-
-
-def _power(value: float, figures: int) -> int:
-    """Return the power of ten of the first digit of a number with significant digits."""
-    return int(f"{abs(value):.{figures - 1}e}".partition("e")[2])
-
-
-def _with_places(value: float, places: int) -> str:
-    """Format a number with a number of decimals; negative ones are rounded to powers of ten."""
-    if not math.isfinite(value):
-        return number_text(value)
-    return f"{round(value, places) + 0.0:.{max(places, 0)}f}"
-
-
-def percent(share: float) -> str:
-    """Format a share in percent, without an exponent: two digits below 10 %, whole percent above.
-
-    >>> percent(0.034), percent(2.0)
-    ('3.4 %', '200 %')
-    """
-    return f"{percent_number(100.0 * share)} %"
-
-
-def percent_number(value: float) -> str:
-    """Format a number of percent as `percent`, without the sign of percent."""
-    if not math.isfinite(value):
-        return number_text(value)
-    if abs(value) >= 9.95:
-        return f"{value:.0f}"
-    return np.format_float_positional(float(f"{value:.2g}"), trim="-")
 
 
 def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:

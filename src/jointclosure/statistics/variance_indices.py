@@ -47,8 +47,11 @@ class Term(NamedTuple):
         return frozenset(factor for factor, _ in self.factors)
 
 
-class Fit(NamedTuple):
-    """Fitted function of d inputs; ``values`` (d,) are their numbers of values (0: continuous)."""
+class FittedFunction(NamedTuple):
+    """Function of d inputs fitted by least squares.
+
+    ``values`` (d,) are the numbers of values of the inputs, 0 for continuous ones.
+    """
 
     values: tuple[int, ...]
     terms: tuple[Term, ...]
@@ -102,11 +105,13 @@ def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> n
     return columns
 
 
-def fitted(points, response, values: tuple[int, ...]) -> Fit:
+def fit_function(points, response, values: tuple[int, ...]) -> FittedFunction:
     """Fit a response (n,) at points (n, d) of the unit cube by least squares."""
     terms = terms_of(values)
     matrix = design_matrix(points, values, terms)
-    return Fit(values, terms, np.linalg.lstsq(matrix, np.asarray(response, float), rcond=None)[0])
+    return FittedFunction(
+        values, terms, np.linalg.lstsq(matrix, np.asarray(response, float), rcond=None)[0]
+    )
 
 
 def level_of(u, count: int):
@@ -149,7 +154,10 @@ class Indices(NamedTuple):
 
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
-    """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each."""
+    """Return Saltelli's design (rows, inputs + 2, inputs) of scrambled Sobol points.
+
+    A row has the points A and B, and for each input the point A with this input taken from B.
+    """
     a, b = _sobol_points(2 * inputs, rows, seed).reshape(rows, 2, inputs).swapaxes(0, 1)
     points = np.repeat(a[:, None, :], inputs + 2, axis=1)
     points[:, 1] = b
@@ -168,8 +176,8 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     """Estimate first and total indices of every input.
 
     ``points`` (N, d + 2, d) are as from `sampled_rows`, ``responses`` (N, d + 2, 2) are those on
-    two surfaces, ``values`` (d,) as for `Fit`. Raise `InputError` for other shapes, fewer rows than
-    two for each part, or responses that are not finite.
+    two surfaces, ``values`` (d,) as for `FittedFunction`. Raise `InputError` for other shapes,
+    fewer rows than two for each part, or responses that are not finite.
     """
     points = np.asarray(points, float)
     responses = np.asarray(responses, float)
@@ -189,7 +197,7 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     for first in range(FOLDS):
         part = np.arange(first, n, FOLDS)
         others = np.setdiff1d(np.arange(n), part)
-        fit = fitted(points[others].reshape(-1, d), centred[others].mean(-1).ravel(), values)
+        fit = fit_function(points[others].reshape(-1, d), centred[others].mean(-1).ravel(), values)
         model = fit(points[part])
         # the same products of the fit, which has no noise, and their exact means
         both = np.stack([model, model], axis=-1)

@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from jointclosure.compilation.sources import PACKAGE, package_digest
+from jointclosure.compilation.code_digests import PACKAGE, package_digest
 from jointclosure.storage.files import write_text
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.laws import BENDS
 from jointclosure.parameters import OF_ROCK, key_of
-from jointclosure.statistics.standard_errors import percent, significant, with_equal_decimals
+from jointclosure.statistics.number_texts import percent, significant, with_equal_decimals
 from jointclosure.uncertainty.numerical_error import NOT_STABLE, limits_of_error
 from jointclosure.uncertainty.published_joints import measured_range
 from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER

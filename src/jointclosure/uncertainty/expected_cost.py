@@ -92,7 +92,7 @@ def seconds_of_joint(
 
 
 def relative_cost(effects: Effects, numerics: Numerics) -> float:
-    """Return the approximate time of a joint over that by the paper's steps with all effects."""
+    """Return about how many times as long a joint takes as by the paper's steps and all effects."""
     if not effects.breakage:
         return NO_BREAKAGE_COST
     cost = 1.0

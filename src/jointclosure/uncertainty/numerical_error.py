@@ -3,10 +3,10 @@
 Three things show how large the error may be. The joint with other steps, and its copies whose
 results would be equal but for rounding (`uncertainty.variants.COPIES`), scatter with the steps and
 with the order in which asperities break. The largest jump of the joint is the closure in which a
-group of asperities breaks at once, at constant stress (`joint.cycles.largest_jump`): where such a
-group breaks with one tolerance, in all copies, it may not break with a finer one. The third is a
-least error, because joints without jump and scatter have one too. The expected error is the root of
-the sum of their squares, each times a factor, and the limit is a multiple of it.
+group of asperities breaks at once, at constant stress (`joint.cycle_results.largest_jump`): where
+such a group breaks with one tolerance, in all copies, it may not break with a finer one. The third
+is a least error, because joints without jump and scatter have one too. The expected error is the
+root of the sum of their squares, each times a factor, and the limit is a multiple of it.
 
 An error is a factor: the limit x means that the result may be 1 + x times too large or too small.
 
@@ -40,17 +40,16 @@ OF_SCATTER = 1.4
 LIMIT = 3.3
 """Limit over the expected error."""
 NOT_STABLE = 0.2
-"""Scatter of the results of a joint, as `scatter_of`, beyond which it is not stable [1]."""
+"""Scatter of the results of a joint, as `log_scatter`, beyond which it is not stable [1]."""
 
 
-def numerical_error(values: Sequence[float], jump: float, quantity: str, cycle: int) -> float:
+def numerical_error(scatter: float, jump: float, quantity: str, cycle: int) -> float:
     """Return the numerical error of a result, over it, that about nine of ten joints keep.
 
     Parameters
     ----------
-    values : sequence of float
-        The result of the joint, with other steps, and of copies: all that would be equal if neither
-        the steps nor the order of breakage mattered. NaN where a simulation failed.
+    scatter : float
+        Scatter of the result of the joint, with other steps, and of copies, as `log_scatter` [1].
     jump : float
         Largest jump of the joint, over its closure [1].
     quantity : str
@@ -62,17 +61,13 @@ def numerical_error(values: Sequence[float], jump: float, quantity: str, cycle: 
     -------
     float
         Relative error [1], by which the result may be multiplied or divided: 0.5 stands for 1.5
-        times as much and 1.5 times as little. NaN where nothing is known, as without other steps or
-        with a result that is not positive.
+        times as much and 1.5 times as little. NaN if the scatter is.
     """
-    scatter = scatter_of(values)
-    if math.isnan(scatter):
-        return math.nan
     of_jump = OF_JUMP[quantity, cycle == 1] * jump
     return math.expm1(LIMIT * math.hypot(LEAST, of_jump, OF_SCATTER * scatter))
 
 
-def scatter_of(values: Sequence[float]) -> float:
+def log_scatter(values: Sequence[float]) -> float:
     """Return the standard deviation of the logarithms of results that would be equal [1].
 
     NaN stands for a simulation that failed, and does not count. The scatter is NaN for less than
@@ -92,26 +87,26 @@ def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
     results : DataFrame
         As `Budget.results`.
     jump : float
-        Largest jump of the joint, over its closure [1] (`joint.cycles.largest_jump`).
+        Largest jump of the joint, over its closure [1] (`joint.cycle_results.largest_jump`).
 
     Returns
     -------
     DataFrame
         One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
         other steps are known), the ``scatter`` of the joint with all steps and copies, as
-        `scatter_of`, and ``by`` which steps and copies.
+        `log_scatter`, and ``by`` which steps and copies.
     """
     rows = []
     for cycle, here in results.groupby("cycle"):
         joint, steps, copies = (here[here.source == name] for name in ("", "breakage", ORDER))
         for quantity in (CLOSURE_NET, STIFFNESS):
             best, others, alike = (of[quantity].tolist() for of in (joint, steps, copies))
+            scatter = log_scatter([*best, *others, *alike])
             error = np.nan
-            every = [*best, *others, *alike]
             if np.isfinite(others).any():
-                error = numerical_error(every, jump, quantity, int(cycle))
+                error = numerical_error(scatter, jump, quantity, int(cycle))
             by = f"{', '.join(steps.value)} and {len(alike)} copies"
-            rows.append((cycle, quantity, error, scatter_of(every), by))
+            rows.append((cycle, quantity, error, scatter, by))
     return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
 
 

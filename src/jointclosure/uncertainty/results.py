@@ -6,7 +6,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.ensembles.quantities import HEADINGS
-from jointclosure.joint.cycles import net_responses
+from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.laws import loading_hyperbolas
 from jointclosure.joint.tables import cycle_table
 

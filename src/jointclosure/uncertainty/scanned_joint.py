@@ -32,7 +32,7 @@ from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import RESOLVED, check_choices
-from jointclosure.statistics.standard_errors import percent
+from jointclosure.statistics.number_texts import percent
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.expected_cost import expected_cost
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
@@ -41,10 +41,10 @@ from jointclosure.uncertainty.uncertain_joint import (
     uncertain_joint,
     uncertainty_budget,
 )
-from jointclosure.walls.measures import joint_jrc
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.wall_files import Wall, registered_walls
+from jointclosure.walls.wall_roughness import joint_jrc
 
 
 class ClosedJoint(NamedTuple):

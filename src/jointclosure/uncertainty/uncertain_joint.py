@@ -11,7 +11,7 @@ import xarray as xr
 from jointclosure.execution.workers import in_threads, number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.cycles import largest_jump
+from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.history import history_of
 from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls

@@ -5,20 +5,17 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from threadpoolctl import threadpool_limits
 
-from jointclosure.inputs import InputError, check_one_of
-from jointclosure.walls.roughness import plane_through
+from jointclosure.inputs import InputError
+from jointclosure.walls.missing_heights import between_known, fill_with_nearest
+from jointclosure.walls.planes import plane_through
+from jointclosure.walls.point_interpolation import interpolate_heights
 
 FLAT = "flat"  # in place of a scan: a flat wall, such as a saw cut
 LARGEST_TILT = 20.0  # of a scan's mean plane [degrees] for which heights represent a wall
 REACH = 2.0  # mean point distances within which a cell needs a point to have a height
 MOST_CELLS_PER_POINT = 100  # of a grid; beyond, nearly all cells are far from points
 PAPER_SPACING = 0.25e-3  # of the paper's walls [m], at which relations of JRC are stated
-MISSING = ("refuse", "avoid", "nearest", "linear")
-"""What is done with cells without a height: an error, joints are cut elsewhere, or they are filled
-by the nearest height or linearly."""
-LARGEST_FILLED_SHARE = 0.05  # of a wall's cells, unless the user allows more
 
 
 class Scan(NamedTuple):
@@ -70,43 +67,6 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
     )
 
 
-def between_known(known: np.ndarray, axis: int = 0) -> np.ndarray:
-    """Return which places (bool) lie between the first and the last known one along an axis."""
-    after = np.logical_or.accumulate(known, axis)
-    return after & np.flip(np.logical_or.accumulate(np.flip(known, axis), axis), axis)
-
-
-def gaps(known: np.ndarray) -> np.ndarray:
-    """Return which unknown cells (y, x) lie between known ones of their row or their column."""
-    return (between_known(known, 0) | between_known(known, 1)) & ~known
-
-
-def _closed_gaps(known: np.ndarray) -> np.ndarray:
-    """Return which cells (y, x) are known, or in a gap of one or two between known ones of a line.
-
-    Unknown cells at the rim of the grid are in no gap.
-    """
-    closed = scipy.ndimage.binary_closing
-    return closed(known, np.ones((3, 1))) | closed(known, np.ones((1, 3)))
-
-
-def holes(known: np.ndarray) -> np.ndarray:
-    """Return which unknown cells (y, x) are in holes of a scan, not single values that were lost.
-
-    They are the `gaps` of three cells or more in both directions, and unknown cells between known
-    ones of their row and of their column that are in no gap of one or two cells.
-    """
-    inside = between_known(known, 0) & between_known(known, 1) & ~(known | _closed_gaps(known))
-    return scipy.ndimage.binary_opening(gaps(known), np.ones((3, 3))) | inside
-
-
-def fill_dropouts(wall: np.ndarray, hole: np.ndarray) -> np.ndarray:
-    """Return a wall (y, x) whose gaps of one or two cells, except in holes, are filled linearly."""
-    known = np.isfinite(wall)
-    dropouts = _closed_gaps(known) & ~(known | hole)
-    return np.where(dropouts, filled(wall, "linear", 1.0), wall) if dropouts.any() else wall
-
-
 def point_distance(scan: Scan | Cloud) -> float:
     """Return the distance of neighbouring points [m]: the larger one of a grid, a cloud's mean.
 
@@ -122,9 +82,11 @@ def point_distance(scan: Scan | Cloud) -> float:
     return float(np.sqrt(area / len(scan.points)))
 
 
-def paper_spacing(distance: float) -> float:
-    """Return the grid spacing for scans: the multiple of their point distance [m] nearest to
-    `PAPER_SPACING`."""
+def usual_grid_spacing(distance: float) -> float:
+    """Return the usual spacing [m] of a joint's grid for scans, near that of the paper's walls.
+
+    It is the multiple of the distance [m] of the scanned points that is nearest to `PAPER_SPACING`.
+    """
     return distance * max(round(PAPER_SPACING / distance), 1)
 
 
@@ -162,7 +124,7 @@ def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = No
             f"{len(places)} points lie in {x:.4g} x {y:.4g} mm (x, y), {ny} x {nx} cells of the "
             f"grid: must be at most {MOST_CELLS_PER_POINT} cells for each point"
         )
-    return heights_between(places, level, grid_nodes(low, (ny, nx), spacing), REACH * distance)
+    return interpolate_heights(places, level, grid_nodes(low, (ny, nx), spacing), REACH * distance)
 
 
 def node_counts(low: np.ndarray, high: np.ndarray, spacing: float) -> tuple[int, int]:
@@ -178,7 +140,7 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
     return np.stack(along, axis=-1)
 
 
-def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
+def sample_grid(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
     """Return the heights of a grid at the nodes of a coarser one, one of them at ``anchor`` (y, x).
 
     Single heights keep the slopes of the wall, which means over cells would make smaller.
@@ -210,48 +172,6 @@ def _heights_less_plane(scan: Scan | Cloud) -> np.ndarray:
     return heights - plane.at(x, y)
 
 
-def heights_between(
-    places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
-) -> np.ndarray:
-    """Interpolate heights (n,) [m] at places (n, 2) [m] linearly to nodes (..., 2) [m].
-
-    Nodes outside of the places, or without a place within ``reach`` [m], are NaN.
-    """
-    count = min(12, len(places))  # enough for the Delaunay triangle of all
-    distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
-    nearest = distances[..., 0]
-    interpolated = heights[near[..., 0]]
-    off = nearest >= 1e-6 * reach  # others are at a scanned point
-    if off.any():
-        used = np.zeros(len(places), bool)
-        used[near[off]] = True
-        interpolated[off] = _triangle_interpolation(places[used], heights[used], nodes[off])
-    return np.where(nearest <= reach, interpolated, np.nan)
-
-
-def _triangle_interpolation(
-    places: np.ndarray, heights: np.ndarray, nodes: np.ndarray
-) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) in Delaunay triangles; same bits on any processor."""
-    # the triangulation is most robust for coordinates of order one about zero
-    centre = places.mean(axis=0)
-    scale = np.ptp(places)
-    corners = (places - centre) / scale
-    at = (nodes - centre) / scale
-    triangles = scipy.spatial.Delaunay(corners)
-    # called for each triangle: on a busy machine each call would wait for the other threads
-    with threadpool_limits(limits=1, user_api="blas"):
-        triangle = triangles.find_simplex(at)
-    corner = triangles.simplices[triangle]
-    x, y = np.moveaxis(corners[corner] - at[..., None, :], -1, 0)
-    areas = np.stack(
-        [x[..., i - 2] * y[..., i - 1] - y[..., i - 2] * x[..., i - 1] for i in range(3)], axis=-1
-    )
-    with np.errstate(invalid="ignore", divide="ignore"):  # triangles without area hold no node
-        inside = np.sum(areas * heights[corner], axis=-1) / np.sum(areas, axis=-1)
-    return np.where(triangle >= 0, inside, np.nan)
-
-
 def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray:
     """Return the heights of a grid at another spacing [m], by cubic splines unless nodes coincide.
 
@@ -271,47 +191,8 @@ def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray
         first + np.arange(int(np.floor((n - 1 - first) / ratio + 1e-9)) + 1) * ratio
         for n, first, ratio in zip(heights.shape, start, ratios, strict=True)
     ]
-    wall = scipy.interpolate.RectBivariateSpline(*axes, nearest_filled(heights))(*wanted)
+    wall = scipy.interpolate.RectBivariateSpline(*axes, fill_with_nearest(heights))(*wanted)
     missing = (~np.isfinite(heights)).astype(float)
     nodes = np.meshgrid(*wanted, indexing="ij")
     touched = scipy.ndimage.map_coordinates(missing, nodes, order=1, mode="nearest")
     return np.where(touched > 1e-9, np.nan, wall)
-
-
-def filled(wall: np.ndarray, missing: str, most: float = LARGEST_FILLED_SHARE) -> np.ndarray:
-    """Return a wall (y, x) whose missing cells (NaN) are filled, or kept to be avoided.
-
-    ``missing`` is one of `MISSING`. Raise `InputError` if a cell is missing that may not be, or if
-    more than the share ``most`` of all cells would be filled.
-    """
-    holes = ~np.isfinite(wall)
-    check_one_of("missing", missing, MISSING)
-    if not holes.any() or missing == "avoid":
-        return wall
-    message = f"{int(holes.sum())} of {holes.size} cells have no height"
-    if missing == "refuse":
-        first = ", ".join(map(str, np.argwhere(holes)[0]))
-        raise InputError(
-            f"{message}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
-            "where no cell is missing), nearest or linear (missing cells are filled)"
-        )
-    if holes.mean() > most:
-        raise InputError(
-            f"{message}: a share of {holes.mean():.3f}, at most {most:g} may be filled "
-            "(largest_filled_share); choose missing: avoid, or crop the scan"
-        )
-    result = nearest_filled(wall)
-    if missing == "linear":
-        rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
-        inside = _triangle_interpolation(np.argwhere(rim), wall[rim], np.argwhere(holes))
-        result[holes] = np.where(np.isfinite(inside), inside, result[holes])
-    return result
-
-
-def nearest_filled(heights: np.ndarray) -> np.ndarray:
-    """Return heights (y, x) with missing ones (NaN) replaced by the nearest known height."""
-    holes = ~np.isfinite(heights)
-    if not holes.any():
-        return heights
-    where = scipy.ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
-    return heights[tuple(where)]

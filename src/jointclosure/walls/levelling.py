@@ -10,12 +10,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.walls import gridding
 from jointclosure.walls.gridding import Cloud, Scan, points_of
+from jointclosure.walls.missing_heights import fill_with_nearest
 from jointclosure.walls.motion import Motion, levelling_rotation, moved_heights
 from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.planes import Plane, plane_through
 from jointclosure.walls.plausibility import smoothing_of
-from jointclosure.walls.roughness import Plane, plane_through
 from jointclosure.walls.scans.points import SCATTERED, lattice_of
 
 LEVEL = {Cloud: 2.0, Scan: 5.0}
@@ -127,7 +127,7 @@ def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
     x, y = (low[axis] + steps[axis] * np.arange(count[axis]) for axis in (0, 1))
     nodes = np.stack(np.meshgrid(x, y), axis=-1)
     slopes = plane.slope_x, plane.slope_y
-    whole = scan._replace(heights=gridding.nearest_filled(scan.heights))
+    whole = scan._replace(heights=fill_with_nearest(scan.heights))
     heights = moved_heights(whole, motion, slopes)(nodes)
     rows, columns = largest_rectangle(np.isfinite(heights))
     kept = heights[rows, columns]

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from jointclosure.statistics.standard_errors import CONFIDENCE
-from jointclosure.walls.roughness import detrended
+from jointclosure.walls.planes import detrended
 
 _WAVES_FOR_ONE = 4.5
 """Fourier coefficients that count as one independent wave: each has a mirror image (2), and the

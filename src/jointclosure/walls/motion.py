@@ -17,7 +17,8 @@ from jointclosure.inputs import InputError
 from jointclosure.walls import gridding
 from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.mating import slope_correlations
-from jointclosure.walls.roughness import plane_through
+from jointclosure.walls.missing_heights import fill_dropouts, fill_with_nearest, in_holes
+from jointclosure.walls.planes import plane_through
 
 # All constants were chosen. With them the errors of 40 pairs of known truth are those that
 # docs/two_scans.md states (`python -m benchmarks.registration`).
@@ -166,10 +167,10 @@ def moved_heights(
     ``slopes`` along x and y are those of the scan's mean plane, with which heights of steep scans
     are found.
     """
-    holes = gridding.holes(np.isfinite(scan.heights))
-    whole = gridding.fill_dropouts(scan.heights, holes)
+    holes = in_holes(np.isfinite(scan.heights))
+    whole = fill_dropouts(scan.heights, holes)
     missing = (~np.isfinite(whole)).astype(float)
-    spline = scipy.ndimage.spline_filter(gridding.nearest_filled(whole))
+    spline = scipy.ndimage.spline_filter(fill_with_nearest(whole))
     first = np.array(scan.origin or (0.0, 0.0))
     steps = np.array(scan.spacing)
     back = motion.rotation[2]  # direction of the new z before the motion
@@ -262,15 +263,15 @@ def levelling_rotation(slopes: tuple[float, float]) -> np.ndarray:
     return _rotation_matrix(angle * -slopes[1], angle * slopes[0], 0.0)
 
 
-class Fit(NamedTuple):
-    """Best correlation of slopes on blocks at an angle [degrees]; shift (x, y) [m] of middles."""
+class SlopeFit(NamedTuple):
+    """Rotation [degrees] and shift (x, y) [m] of the upper wall with the best slope correlation."""
 
     orientation: str
     correlation: float
     angle: float
     shift: np.ndarray
 
-    def differs_from(self, other: "Fit") -> bool:
+    def differs_from(self, other: "SlopeFit") -> bool:
         """Return whether orientations differ, or angles by more than `DIFFERENT_ROTATIONS`."""
         apart = abs((self.angle - other.angle + 180.0) % 360.0 - 180.0) > DIFFERENT_ROTATIONS
         return apart or self.orientation != other.orientation
@@ -290,7 +291,7 @@ def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
 
 def compare_rotations(
     upper: Surface, lower: Surface, orientations: dict[str, np.ndarray], blocks: int
-) -> list[Fit]:
+) -> list[SlopeFit]:
     """Return the best fit at each rotation and orientation of the upper wall, the best one first.
 
     There are ``blocks`` along the shorter side. Raise `InputError` if a comparison has too few
@@ -316,11 +317,11 @@ def compare_rotations(
         place = np.unravel_index(int(np.nanargmax(over)), over.shape)
         shift = [i - n if i > n // 2 else i for i, n in zip(place, over.shape, strict=True)]
         between = cells * upper.spacing * (np.array(shift, float) - offset)
-        fits.append(Fit(name, float(over[place]), float(angle), between[::-1]))
+        fits.append(SlopeFit(name, float(over[place]), float(angle), between[::-1]))
     return sorted(fits, key=lambda fit: -fit.correlation)
 
 
-def refined_motion(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -> Motion:
+def refined_motion(upper: Surface, lower: Surface, flip: np.ndarray, fit: SlopeFit) -> Motion:
     """Refine a fit by least squares of heights; the covariance is infinite if they find nothing.
 
     Walls are compared by means over fewer and fewer cells, as a fit to short waves finds the right
@@ -350,7 +351,7 @@ def refined_motion(upper: Surface, lower: Surface, flip: np.ndarray, fit: Fit) -
 
 
 class _SmoothedWall(NamedTuple):
-    """Smoothed lower wall, which is read between its cells."""
+    """Smoothed heights and slopes of the lower wall, which are interpolated between its cells."""
 
     spline: np.ndarray  # coefficients (y, x) of the cubic spline through its heights
     slopes: Sequence[np.ndarray]  # along y and along x (y, x)
@@ -375,7 +376,7 @@ class _SmoothedWall(NamedTuple):
 
 
 def _smoothed_wall(wall: Surface, heights: np.ndarray) -> _SmoothedWall:
-    """Prepare the smoothed heights (y, x) [m] of a wall to be read; missing ones are the mean."""
+    """Prepare smoothed heights (y, x) [m] for interpolation; missing ones are their mean."""
     known = np.isfinite(heights)
     bare = np.where(known, heights, np.nanmean(heights))
     slopes = tuple(np.gradient(bare, wall.spacing))

@@ -5,7 +5,7 @@ import scipy
 
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.gridding import Cloud, Scan, points_of
-from jointclosure.walls.roughness import plane_through
+from jointclosure.walls.planes import plane_through
 
 NEIGHBOURS = 8  # nearest points with which the height of a point is compared
 ROUNDS = 4  # most rounds of spike removal: higher spikes hide others
@@ -18,7 +18,7 @@ CONTACT_STEP = 1.5
 are contacts. Of Gaussian fields that are cut at 0 it is below 1, and 1.2 without correlation."""
 
 
-def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
+def stray_points(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
     """Return which points (n, 3) belong to no wall: those in small patches, and far off in height.
 
     ``patch`` (n,) are the numbers of their patches. Far off is beyond 20 times the range between
@@ -35,7 +35,7 @@ def strays(points: np.ndarray, patch: np.ndarray) -> np.ndarray:
     return stray
 
 
-def patches(places: np.ndarray) -> np.ndarray:
+def patch_numbers(places: np.ndarray) -> np.ndarray:
     """Return the number (n,) of the patch to which each place (n, 2) belongs.
 
     Patches are apart by more than about five times the usual distance of places.
@@ -75,7 +75,7 @@ def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return unique.view(float).reshape(-1, 2), numbers
 
 
-def spikes(points: np.ndarray) -> np.ndarray:
+def spike_heights(points: np.ndarray) -> np.ndarray:
     """Return heights (n,) [m] by which points (n, 3) exceed all neighbours but one; NaN for others.
 
     Only sharp ones count: beyond eight times the usual difference of neighbours.
@@ -108,7 +108,7 @@ def remove_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
     Cells of a grid become missing.
     """
     points = points_of(scan)
-    heights = spikes(points)
+    heights = spike_heights(points)
     cut = np.isfinite(heights)
     if not cut.any():
         return scan, ""
@@ -127,7 +127,7 @@ def remove_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
     Where they are most of the scan, its wall is flat or stepped, and they are kept.
     """
     points = points_of(scan)
-    pairs = neighbours(scan)
+    pairs = neighbour_pairs(scan)
     size = _plateau_sizes(points[:, 2], pairs)
     touching = (points[:, 2] == 0.0) & zeros_are_contacts(points[:, 2], pairs)
     size[touching] = 0
@@ -170,7 +170,7 @@ def zeros_are_contacts(heights: np.ndarray, pairs: np.ndarray) -> bool:
     return bool(squares[touching].mean() <= CONTACT_STEP**2 * squares[between].mean())
 
 
-def neighbours(scan: Scan | Cloud) -> np.ndarray:
+def neighbour_pairs(scan: Scan | Cloud) -> np.ndarray:
     """Return pairs (m, 2) of neighbours: along the axes of a grid, or the four nearest points."""
     if isinstance(scan, Cloud):
         places = scan.points[:, :2]

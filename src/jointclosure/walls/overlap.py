@@ -12,7 +12,9 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.walls import gridding
-from jointclosure.walls.roughness import detrended, plane_through
+from jointclosure.walls.missing_heights import fill_dropouts, fill_missing, in_holes
+from jointclosure.walls.planes import detrended, plane_through
+from jointclosure.walls.point_interpolation import interpolate_heights
 
 SMALLEST_SIDE = 8  # cells of the walls along each side
 MOST_FILLED = 0.9  # largest share of holes whatever the stated one is: some cells must be known
@@ -69,12 +71,12 @@ def overlap_of(
     for cloud, distance, at in zip(clouds, distances, (upper_at, None), strict=True):
         if at is None:
             level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
-            wall = gridding.heights_between(cloud[:, :2], level, nodes, gridding.REACH * distance)
+            wall = interpolate_heights(cloud[:, :2], level, nodes, gridding.REACH * distance)
         else:
             wall = at(nodes) - common
         scattered = np.isfinite(cloud[:, 2]).all() and at is None
         hole = _hole_cells(wall, gridding.REACH * distance / spacing if scattered else 0.0)
-        walls.append(np.where(hole, np.nan, gridding.fill_dropouts(wall, hole)))
+        walls.append(np.where(hole, np.nan, fill_dropouts(wall, hole)))
         holes.append(hole)
     inside = np.logical_or(*holes)
     covered = np.logical_and(*(np.isfinite(walls) | holes))
@@ -140,7 +142,7 @@ def _hole_cells(wall: np.ndarray, reach: float) -> np.ndarray:
     as well, as heights beside it are interpolated across.
     """
     known = np.isfinite(wall)
-    holes = gridding.holes(known)
+    holes = in_holes(known)
     if reach > 0.0:
         holes |= scipy.ndimage.binary_fill_holes(known) & ~known
         if holes.any():
@@ -161,6 +163,6 @@ def _fill_holes(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) -> list
     while np.isinf(gap).any():
         gap = np.where(np.isinf(gap), scipy.ndimage.maximum_filter(gap, 3), gap)
     if holes.all(axis=0).any():
-        lower = np.where(holes.all(axis=0), gridding.filled(lower, "linear", 1.0), lower)
+        lower = np.where(holes.all(axis=0), fill_missing(lower, "linear", 1.0), lower)
     upper = np.where(holes[0], lower + gap, upper)
     return [upper, np.where(holes[1] & ~holes[0], upper - gap, lower)]

@@ -7,8 +7,8 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.walls.gridding import PAPER_SPACING, Cloud, Scan, node_counts, points_of
-from jointclosure.walls.measures import peak_cells
-from jointclosure.walls.roughness import plane_through
+from jointclosure.walls.planes import plane_through
+from jointclosure.walls.wall_roughness import peak_cells
 
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""

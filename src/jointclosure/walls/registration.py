@@ -8,17 +8,19 @@ import numpy as np
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.statistics.standard_errors import CONFIDENCE, percent
+from jointclosure.statistics.number_texts import percent
+from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import Walls, gridding, plausibility
-from jointclosure.walls.gridding import FLAT, Cloud, Scan, filled, point_distance, points_of
+from jointclosure.walls.gridding import FLAT, Cloud, Scan, point_distance, points_of
 from jointclosure.walls.levelling import levelled, slopes_of
 from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
+from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.motion import (
     BLOCKS,
     CLEAR,
     LEAST_OVERLAP,
-    Fit,
     Motion,
+    SlopeFit,
     Surface,
     compare_rotations,
     flip_about_middle,
@@ -29,7 +31,7 @@ from jointclosure.walls.motion import (
 )
 from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
-from jointclosure.walls.roughness import detrended
+from jointclosure.walls.planes import detrended
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
@@ -98,7 +100,7 @@ class RegisteredPair(NamedTuple):
     aperture: np.ndarray  # distance (y, x) [m] at first touch
     first_touch: tuple[int, int]
     orientation: str
-    fits: list[Fit]  # the best of each orientation, the best first
+    fits: list[SlopeFit]  # the best of each orientation, the best first
     motion: Motion  # applied to the upper wall
     mated: Motion | None  # that of best fit
     correlation: float  # of heights
@@ -220,7 +222,7 @@ def registered(
     stated = prepared.distance if spacing is None else float(spacing)
     if not unusual_values:
         plausibility.check_scans(*prepared.both, stated)
-    spacing = gridding.paper_spacing(prepared.distance) if spacing is None else stated
+    spacing = gridding.usual_grid_spacing(prepared.distance) if spacing is None else stated
     report = list(prepared.remarks)
     waves = _shortest_waves(prepared)
     sampled = _sampled_if_finer(prepared.both, spacing, report)
@@ -285,7 +287,7 @@ class _BestFit(NamedTuple):
     """Orientation of the upper wall, the best fit of each orientation, and the refined one."""
 
     orientation: str
-    fits: list[Fit]  # the best first; none if a wall is flat
+    fits: list[SlopeFit]  # the best first; none if a wall is flat
     mated: Motion | None  # None if the fit is ambiguous or a wall is flat
 
 
@@ -565,7 +567,7 @@ def _sampled_if_finer(
             f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
         )
         if isinstance(scan, Scan):
-            result[place] = nodes = gridding.sampled(scan, spacing, anchor)
+            result[place] = nodes = gridding.sample_grid(scan, spacing, anchor)
             if side == "lower":  # heights of the upper one are taken at the lower's nodes
                 first = np.array(nodes.origin)[::-1]
                 lost = plausibility.smoothing_of(scan, nodes.heights, spacing, first)
@@ -661,7 +663,9 @@ def _registered_pair(
     if fit.fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
         holes = overlap.holes.any(axis=0)  # filled by the other wall, which they fit
-        one, other = (filled(np.where(holes, np.nan, w), "linear", 1.0) for w in (upper, lower))
+        one, other = (
+            fill_missing(np.where(holes, np.nan, w), "linear", 1.0) for w in (upper, lower)
+        )
         mismatch = measured_mismatch(one, other, spacing)
         correlations = mating(one, other, spacing)
         report += [

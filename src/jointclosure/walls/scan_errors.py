@@ -18,8 +18,8 @@ import scipy
 
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls
-from jointclosure.walls.gridding import filled
-from jointclosure.walls.roughness import detrended
+from jointclosure.walls.missing_heights import fill_missing
+from jointclosure.walls.planes import detrended
 
 _EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents of walls without noise
 _LONGEST = 4  # first ring whose waves are compared; longer ones are few
@@ -129,10 +129,10 @@ class ScanErrors(NamedTuple):
         """
         random = generator(seed_of(1, "holes", number))
         together = upper + lower
-        smooth = filled(np.where(self.holes, np.nan, together), "linear", 1.0)
+        smooth = fill_missing(np.where(self.holes, np.nan, together), "linear", 1.0)
         power = _ring_means(_waves(smooth) ** 2)[_ring_numbers(upper.shape)]
         drawn = scipy.fft.idctn(np.sqrt(power) * random.standard_normal(power.shape), norm="ortho")
-        departure = drawn - filled(np.where(self.holes, np.nan, drawn), "linear", 1.0)
+        departure = drawn - fill_missing(np.where(self.holes, np.nan, drawn), "linear", 1.0)
         change = np.where(self.holes, smooth + departure - together, 0.0)
         return upper + change * upper.any(), lower + change * (not upper.any())
 

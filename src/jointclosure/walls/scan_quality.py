@@ -16,9 +16,10 @@ import scipy
 from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
-from jointclosure.walls.measures import difference
-from jointclosure.walls.outliers import neighbours
-from jointclosure.walls.roughness import DEFAULT_RELATION, RELATIONS, plane_through
+from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS
+from jointclosure.walls.outliers import neighbour_pairs
+from jointclosure.walls.planes import plane_through
+from jointclosure.walls.wall_roughness import height_differences
 
 STEEPEST = 3.0
 """Growth of squared third differences, as a power of the distance, from which short waves are
@@ -125,14 +126,14 @@ def shortest_wave(scan: Scan | Cloud, level: Scan | Cloud | None = None) -> floa
     return _HALF * max(widths)
 
 
-def growth(squares: np.ndarray) -> np.ndarray:
+def difference_growth(squares: np.ndarray) -> np.ndarray:
     """Return the powers with which squared differences at `_LAGS` grow from lag to double lag."""
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.log2([squares[1] / squares[0], squares[3] / squares[1], squares[5] / squares[3]])
 
 
 def _grows_faster(squares: np.ndarray, most: float) -> bool:
-    return bool((np.nan_to_num(growth(squares)) > most).any())
+    return bool((np.nan_to_num(difference_growth(squares)) > most).any())
 
 
 def _mean_squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray:
@@ -146,7 +147,7 @@ def _mean_squares(heights: np.ndarray, axis: str, rounding: float) -> np.ndarray
             break
         if _ORDER * lag >= side:
             break
-        values = difference(heights, axis, lag, _ORDER) ** 2
+        values = height_differences(heights, axis, lag, _ORDER) ** 2
         if np.isfinite(values).sum() < 100:
             break
         square = float(np.nanmean(values))
@@ -249,7 +250,9 @@ def _squares_by_block(heights: np.ndarray, rounding: float) -> tuple[np.ndarray,
     sums = []
     counts = []
     for axis, lag in itertools.product("yx", _NOISE_LAGS):
-        squares = difference(heights, axis, lag, _NOISE_ORDER) ** 2 - _WHITE * rounding**2 / 12.0
+        squares = (
+            height_differences(heights, axis, lag, _NOISE_ORDER) ** 2 - _WHITE * rounding**2 / 12.0
+        )
         ny, nx = (max(size, 1) for size in squares.shape)
         y, x = np.indices(squares.shape)
         block = (y * _BLOCKS // ny * _BLOCKS + x * _BLOCKS // nx)[known := np.isfinite(squares)]
@@ -282,7 +285,7 @@ def rank_filtered(scan: Scan) -> bool:
     That is so after a median filter. False if rounding is too coarse to tell.
     """
     points = points_of(scan)
-    apart = np.abs(np.diff(points[:, 2][neighbours(scan)], axis=1).ravel())
+    apart = np.abs(np.diff(points[:, 2][neighbour_pairs(scan)], axis=1).ravel())
     if not apart.size:
         return False
     step = step_of(points[:, 2])
@@ -335,7 +338,10 @@ def resolution_remarks(
 
 
 def lost_waves(wave: float, spacing: float) -> Caution:
-    """Return the caution about a scan without waves below a length [m], for a grid spacing [m]."""
+    """Return the caution about a scan that lacks waves shorter than a length [m].
+
+    It states which waves the grid of this spacing [m] has.
+    """
     return caution(
         f"the scan holds nothing below a wavelength of about {1e3 * wave:.3g} mm, as it was "
         "filtered or interpolated: its third differences grow faster with distance than those of "

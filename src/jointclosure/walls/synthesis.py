@@ -11,7 +11,8 @@ from jointclosure.inputs import InputError, check_count, check_length, check_num
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls import Walls
-from jointclosure.walls.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
+from jointclosure.walls.jrc import DEFAULT_RELATION, rms_slope, z2_of_jrc
+from jointclosure.walls.planes import detrended
 
 RULES = ("self_affine", "walk")  # relations between the long and the short waves of a wall
 NORMALISATIONS = ("wall", "expectation")  # the slope is that of every wall, or of the average
@@ -160,7 +161,7 @@ def wall_pair(
     hurst : float
         Hurst exponent H in (0, 1].
     jrc_relation : str
-        Key of `jointclosure.walls.roughness.RELATIONS`.
+        Key of `jointclosure.walls.jrc.RELATIONS`.
     normalise : {"wall", "expectation"}
         Whether every wall has exactly the Z2 of its JRC, or walls have it on average.
     correlation : float

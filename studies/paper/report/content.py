@@ -11,15 +11,13 @@ import xarray as xr
 from jointclosure.cli.report import Picture, provenance_rows, size_text
 from jointclosure.execution.progress import duration
 from jointclosure.parameters import PROPERTIES
+from jointclosure.statistics.number_texts import number_text, percent, rounded
 from jointclosure.statistics.standard_errors import (
     Estimate,
     confidence_limits,
     half_width,
     harmonic_mean,
-    number_text,
-    percent,
     ratio_of_means,
-    rounded,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
@@ -32,10 +30,10 @@ from studies.paper.checks import (
     remarked_joints,
 )
 from studies.paper.claims import OURS, TOLERANCE
-from studies.paper.layout import case_title, test_name
-from studies.paper.report.cycles import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
 from studies.paper.report.tables import About, frames_of, with_limits
+from studies.paper.report.verdicts import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
 from studies.paper.requirements import REPORTED
+from studies.paper.tables_1_to_3 import case_title, test_name
 
 STAYS = "Share that remains at seating (%)"
 CLOSES = "Net closure since seating, cycle {cycle} (mm)"
@@ -73,7 +71,7 @@ def content(material: Material) -> dict:
     numbers = summary_frame(study, known["max_closure"], titles)
     of_assessment = assessed(known, configuration, titles)
     return {
-        "ranges": ranges_of(numbers, configuration),
+        "ranges": ranges_over_rocks(numbers, configuration),
         "bias": numerical_bias(of_assessment),
         "headline": headline(known.get("elasticities")),
         "configuration": configuration,
@@ -287,7 +285,7 @@ def _with_half_width(name: str, estimate: Estimate, joints: int) -> dict[str, ob
     }
 
 
-def ranges_of(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
+def ranges_over_rocks(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
     """Return the ranges over the rocks of the columns of `summary_frame`, and of stresses.
 
     Their ends have half of their 95 % intervals, where the column has these.

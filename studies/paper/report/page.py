@@ -11,7 +11,7 @@ import pandas as pd
 
 from jointclosure.cli import report
 from jointclosure.ensembles.quantities import HEADINGS
-from jointclosure.statistics.standard_errors import ABSENT, number_text, rounded
+from jointclosure.statistics.number_texts import ABSENT, number_text, rounded
 
 
 class Sheet(NamedTuple):
@@ -32,9 +32,9 @@ _ERRORS = ("_standard_error", "_half_width")
 def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {}) -> Sheet:
     """Make a table of the named ``columns`` of a frame, or of all columns if none is named.
 
-    ``heads`` are headings by column; others are those of `heading_of`. Numbers are rounded by their
-    columns of errors (``_standard_error`` or ``_half_width``), which follow them after "±". Columns
-    of adjusted numbers are left out if all are missing.
+    ``heads`` are headings by column; others are those of `column_heading`. Numbers are rounded by
+    their columns of errors (``_standard_error`` or ``_half_width``), which follow them after "±".
+    Columns of adjusted numbers are left out if all are missing.
     """
     named = [(name, frame[name]) for name in columns.split()]
     named = named or [one for one in frame.items() if not str(one[0]).endswith(_ERRORS)]
@@ -48,11 +48,11 @@ def sheet(frame: pd.DataFrame, columns: str = "", heads: Mapping[str, str] = {})
         if "adjusted" in str(name) and all(one == ABSENT for one in shown):
             continue
         texts.append(shown)
-        titles.append(heads.get(name) or heading_of(name))
+        titles.append(heads.get(name) or column_heading(name))
     return Sheet(titles, list(map(_kind, texts)), list(zip(*texts, strict=True)))
 
 
-def heading_of(column: str) -> str:
+def column_heading(column: str) -> str:
     """Return the heading of a column: that of its quantity if it is one, or a mean of one."""
     title = HEADINGS.get(column.replace("_mean_", "_"), column.replace("_", " "))
     return title[0].upper() + title[1:]

@@ -14,7 +14,7 @@ from jointclosure.assessment.assess import ASSESSED, JUDGED
 from jointclosure.assessment.effect_names import effects_title
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES, scene_of
-from jointclosure.statistics.standard_errors import (
+from jointclosure.statistics.number_texts import (
     ABSENT,
     number_text,
     percent,
@@ -25,9 +25,9 @@ from studies.frame.tables import in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
-from studies.paper.layout import table_3
-from studies.paper.report.cycles import TOO_FEW, is_too_wide
+from studies.paper.report.verdicts import TOO_FEW, is_too_wide
 from studies.paper.requirements import REPORTED
+from studies.paper.tables_1_to_3 import table_3
 
 NOT_TRIED = "not tried"
 """Entry for a claim without readings or choices."""

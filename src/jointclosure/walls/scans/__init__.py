@@ -30,7 +30,7 @@ class Format(NamedTuple):
 # Formats that several suffixes have.
 _NETCDF = Format("netCDF", grids.read_netcdf_grid, named=True, in_parts=True)
 _TIFF = Format("TIFF", functools.partial(grids.read_raster, driver="GTiff"), in_parts=True)
-_TEXT = Format("points", text.read_text, named=True)
+_TEXT = Format("points", text.read_text_scan, named=True)
 _SCANNER = Format("a scanner's file", grids.read_scanner, named=True)
 _OTHER_TEXT = Format("points", grids.read_text_or_scanner, named=True)
 BY_SUFFIX = {

@@ -12,7 +12,7 @@ from jointclosure.inputs import SPELT, UNITS, InputError, size_of
 from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
 from jointclosure.walls.gridding import Cloud, Scan, points_of
-from jointclosure.walls.outliers import neighbours, zeros_are_contacts
+from jointclosure.walls.outliers import neighbour_pairs, zeros_are_contacts
 from jointclosure.walls.scans.sheet import check_exact_heights
 
 LARGEST_ARRAY = 800_000_000  # most bytes of an array in double precision; chosen
@@ -253,7 +253,7 @@ def missing_heights(scan: Scan | Cloud) -> tuple[np.ndarray, tuple[str, ...]]:
     else:
         placed = np.isfinite(scan.points[:, :2]).all(axis=1) & np.isfinite(used)
         kept = Cloud(scan.points[placed])
-    if zeros_are_contacts(points_of(kept)[:, 2], neighbours(kept)):
+    if zeros_are_contacts(points_of(kept)[:, 2], neighbour_pairs(kept)):
         contacts = "no height is negative, and heights rise from them without a step"
         done = f"{about}; {contacts}: they were used as contacts of an aperture map"
         return missing, (*remarks, done)

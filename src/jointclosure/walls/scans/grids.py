@@ -31,7 +31,7 @@ from jointclosure.walls.scans.contents import (
 )
 from jointclosure.walls.scans.headers import read_header
 from jointclosure.walls.scans.points import contents_of
-from jointclosure.walls.scans.text import read_text
+from jointclosure.walls.scans.text import read_text_scan
 
 _NUMBERS = {"spacing": (1.0, 1.0), "h": (1.0, 1.0), "dy": (1.0, math.nan), "dx": (math.nan, 1.0)}
 """Names of numbers that state the spacing, with 1 for the axes (y, x) along which it is."""
@@ -72,7 +72,7 @@ class Array(NamedTuple):
 
     @property
     def transposed(self) -> "Array":
-        """The same array with its last axis first, not yet read."""
+        """Transposed array; its values are read when ``load`` is called."""
         return self._replace(shape=self.shape[::-1], load=lambda: self.load().T)
 
 
@@ -238,7 +238,7 @@ def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
 
 
 def read_npy(path: Path) -> Contents:
-    """Read one array, without units or spacing."""
+    """Read the array of a .npy file, which states neither units nor spacing."""
     return Contents(_read_array(lambda: path.open("rb")))
 
 
@@ -443,7 +443,7 @@ def _resolution_of(
 def read_text_or_scanner(path: Path, variable: str | None) -> Contents:
     """Read text as points or a matrix, otherwise as the file of a scanner."""
     try:
-        return read_text(path, variable)
+        return read_text_scan(path, variable)
     except InputError as error:
         try:
             with reading_as("a scanner's file"):

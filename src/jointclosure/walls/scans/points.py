@@ -7,9 +7,10 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
-from jointclosure.statistics.standard_errors import percent
-from jointclosure.walls.gridding import Cloud, gaps
-from jointclosure.walls.outliers import patches, strays, unique_places
+from jointclosure.statistics.number_texts import percent
+from jointclosure.walls.gridding import Cloud
+from jointclosure.walls.missing_heights import in_gaps
+from jointclosure.walls.outliers import patch_numbers, stray_points, unique_places
 from jointclosure.walls.scan_quality import step_of
 from jointclosure.walls.scans.contents import (
     Contents,
@@ -75,9 +76,9 @@ def _clean_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
         remarks += (f"{int((~placed).sum())} lines without a place were skipped",)
         points = points[placed]
     check_sheet(points[np.isfinite(points[:, 2])])
-    patch = patches(points[:, :2]) if len(points) > 1 else np.zeros(len(points), int)
+    patch = patch_numbers(points[:, :2]) if len(points) > 1 else np.zeros(len(points), int)
     check_one_patch(np.bincount(patch, minlength=1))
-    stray = strays(points, patch)
+    stray = stray_points(points, patch)
     if count := int(stray.sum()):
         named = ", ".join(f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:3])
         cut = f"{count} stray point{'s were' if count > 1 else ' was'} cut, far from all others"
@@ -204,7 +205,7 @@ def _irregularity_cautions(
 def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
     """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
     empty = int((~occupied).sum())
-    inside = int(gaps(occupied).sum())
+    inside = int(in_gaps(occupied).sum())
     if inside <= MOST_AMBIGUOUS * occupied.size:
         return (f"{empty} of {occupied.size} heights are missing",) if empty else ()
     share = f"{inside} of {occupied.size} heights ({percent(inside / occupied.size)})"

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.statistics.standard_errors import percent
+from jointclosure.statistics.number_texts import percent
 from jointclosure.walls.scan_quality import step_of
 
 _SAMPLE = 2000  # most points whose neighbours are compared

@@ -60,7 +60,7 @@ class _Form(NamedTuple):
         ]
 
 
-def read_text(path: Path, variable: str | None) -> Contents:
+def read_text_scan(path: Path, variable: str | None) -> Contents:
     """Read a text file of points, with x, y and z in a line, or of a matrix of heights.
 
     ``variable`` chooses the three columns of points among others.

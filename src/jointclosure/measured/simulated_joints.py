@@ -1,0 +1,258 @@
+"""Simulation of joints for comparison with a measured curve, with a folder that keeps them."""
+
+import math
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.execution.cache import Entry, make_missing
+from jointclosure.execution.progress import FIRST_LOADING
+from jointclosure.execution.workers import number_of_workers
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.history import history_of
+from jointclosure.joint.simulation import simulate_walls
+from jointclosure.joint.status import FAILURE
+from jointclosure.joint.warmup import prepare_kernels
+from jointclosure.measured.compared_quantities import compared_quantities
+from jointclosure.measured.joint_arguments import AskedJoints, SimulatedWalls
+from jointclosure.measured.likelihood import (
+    CURVE_POINTS,
+    joints_needed,
+    readings_of_closures,
+)
+from jointclosure.parameters import RESOLVED
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.statistics.standard_errors import mean_of
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.uncertainty.expected_cost import rough_time, seconds_of_joint
+from jointclosure.uncertainty.sources import coarser
+from jointclosure.walls import shifted
+
+CHECKED = 4  # nearest joints that are simulated with a finer tolerance too
+FINER = 5.0  # tolerance over the finer one
+ADVICE = "check rock, roughness, roll-off, size and units"
+"""Advice where no joint is like the measured one."""
+
+
+class LaterLoading(NamedTuple):
+    """Changes of a joint before its second loading: shifted walls, weaker crushed rock."""
+
+    shift: int = 0  # of the upper wall along x [cells]
+    crushed_strength_ratio: float = 1.0  # strength of crushed rock over that of the rock
+
+
+class ComparisonJoints(NamedTuple):
+    """Joints simulated for comparison with a curve, for all values of the fitted constants.
+
+    The constants are mismatch wavelengths [m], compressive ``strengths`` [Pa], and the changes
+    ``laters`` after the first loading. ``conditions`` are those of the first cycle. The walls of a
+    joint depend on its number; the numbers of neighbouring wavelengths, strengths and surfaces are
+    ``strides`` apart. ``cache`` is the folder in which joints are kept, None if they are not.
+    """
+
+    asked: AskedJoints
+    conditions: Conditions
+    strengths: tuple[float, ...]
+    strides: tuple[int, int, int]
+    laters: tuple[LaterLoading, ...]
+    cache: str | Path | None
+    workers: int | None
+    report: Callable[[str], None]
+
+    @property
+    def stresses(self) -> np.ndarray:
+        """Stresses [Pa] at which joints are read: evenly spaced ones, and those of the readings."""
+        measured = self.asked.measured
+        even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
+        return np.unique(np.concatenate([even, measured.levels]))
+
+    def check(self, strengths: Sequence[float]) -> None:
+        """Raise `InputError` if the joints cannot be simulated or fitted.
+
+        This is so if the conditions with one of the strengths [Pa] or the walls are not allowed, or
+        if there are fewer surfaces than the curve needs.
+        """
+        asked = self.asked
+        for strength in strengths:
+            for later in self.laters:
+                with_strength(self.conditions, strength, later).checked()
+        asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
+        nodes = (asked.wavelengths.size, len(self.strengths))
+        surfaces = asked.joint.surfaces
+        needed = joints_needed(nodes, asked.measured.values.size)
+        count = math.prod(nodes)
+        if surfaces * count < needed:
+            least = math.ceil(needed / count)
+            raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
+
+    def closures(self) -> np.ndarray:
+        """Simulate all joints; return closures [m] at `stresses`, NaN for joints that failed.
+
+        They are (laters, wavelengths, strengths, surfaces, cycles, 2, stresses), with loading and
+        unloading along the last axis but one.
+        """
+        surfaces = self.asked.joint.surfaces
+        wavelengths = self.asked.wavelengths.size
+        closures = self._simulate_missing(
+            [(i, k) for k in range(surfaces) for i in range(wavelengths)], foresee=True
+        )
+        closures = closures.reshape(surfaces, wavelengths, *closures.shape[1:])
+        return closures.transpose(2, 1, 3, 0, 4, 5, 6)
+
+    def _simulate_missing(
+        self, places: Sequence[tuple[int, int]], strength: int = 0, foresee: bool = False
+    ) -> np.ndarray:
+        """Simulate joints that are not kept yet, and return the closures [m] of all.
+
+        They are (places, laters, strengths, cycles, 2, stresses), NaN for a joint that failed.
+        ``places`` are indices of wavelength and surface, ``strength`` is that of the first
+        strength. ``foresee`` is whether the time is estimated and reported first.
+        """
+        asked = self.asked
+        conditions = self.conditions
+        numerics = conditions.numerics
+        stresses = tuple(self.stresses.tolist())
+        entries = []
+        for i, k in places:
+            for j, value in enumerate(self.strengths, start=strength):
+                number = 1 + int(np.dot((i, j, k), self.strides))
+                arguments = (
+                    conditions, asked.measured.cycles, stresses, asked.walls,
+                    float(asked.wavelengths[i]), {number: value}, self.laters,
+                )  # fmt: skip
+                steps = f"{numerics.breakage}_{numerics.tolerance:.4g}"
+                file = f"wavelength_{i}_strength_{j}_surface_{k}_{steps}"
+                scans = {"scans": asked.scans}
+                entries.append(Entry(file, simulate_surface, arguments, scans))
+        workers = number_of_workers(self.workers)
+
+        def prepare() -> None:
+            prepare_kernels([conditions.model], 1 if foresee else workers)
+            if foresee:
+                self.report(self._forecast(len(places) * len(self.strengths), workers))
+
+        kept = tempfile.TemporaryDirectory() if self.cache is None else nullcontext(self.cache)
+        with kept as name:
+            folder = Path(name)
+            make_missing(entries, folder, workers, self.report, prepare=prepare, apart=False)
+            made = [read_netcdf(entry.file(folder)).closure.values for entry in entries]
+        by_place = [
+            np.concatenate(made[start : start + len(self.strengths)], axis=1)
+            for start in range(0, len(made), len(self.strengths))
+        ]
+        return np.stack(by_place)
+
+    def _forecast(self, count: int, workers: int) -> str:
+        """Estimate the time of all ``count`` joints from one of them, and say what is kept."""
+        asked = self.asked
+        middle = len(self.strengths) // 2
+        conditions = with_strength(self.conditions, self.strengths[middle], LaterLoading())
+        walls = asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
+        later = (asked.measured.cycles - 1) * len(self.laters)
+        each = count * (1.0 + later / FIRST_LOADING) / workers
+        low, high = (rough_time(each * seconds) for seconds in seconds_of_joint(*walls, conditions))
+        kept = "finished joints are kept, and a later run goes on with them"
+        if self.cache is None:
+            kept = "no joint is kept without a folder (--output, or cache= in Python)"
+        return f"all {count} joints take about {low} to {high} in {workers} processes; {kept}"
+
+    def numerical_changes(
+        self, place: tuple[int, int, int], closures: np.ndarray
+    ) -> dict[str, tuple[float, float]]:
+        """Return relative changes of quantities from a finer tolerance, with standard errors.
+
+        They are of `CHECKED` joints at a place (later, wavelength, strength) of ``closures``.
+        Without breakage there is no tolerance, and none are returned.
+        """
+        conditions = self.conditions
+        measured = self.asked.measured
+        kind, i, j = place
+        if not conditions.effects.breakage:
+            return {}
+        resolved = conditions.numerics.breakage == "resolved"
+        numerics = coarser(conditions.numerics, 1.0 / FINER) if resolved else RESOLVED
+        nearest = self._replace(
+            conditions=conditions._replace(numerics=numerics),
+            strengths=self.strengths[j : j + 1], laters=self.laters[kind : kind + 1],
+        )  # fmt: skip
+        fine = nearest._simulate_missing([(i, k) for k in range(CHECKED)], j)[:, 0, 0]
+        given, finer = (
+            compared_quantities(readings_of_closures(each, self.stresses, measured), measured)
+            for each in (closures[kind, i, j, :CHECKED], fine)
+        )
+        changes: dict[str, tuple[float, float]] = {}
+        for one, other in zip(given, finer, strict=True):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratios = one.values / other.values - 1.0
+            if one.unit != "%" and np.isfinite(ratios).all():
+                changes[one.name] = mean_of(ratios)
+        return changes
+
+
+def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
+    """Return a sentence on `numerical_changes`, if there are any."""
+    if not changes:
+        return []
+    texts = (
+        f"{name} {rounded(100.0 * value, 100.0 * error)} %"
+        for name, (value, error) in changes.items()
+    )
+    checked = f"{CHECKED} nearest joints against {1.0 / FINER:g} of their tolerance"
+    return [f"numerical error, {checked}: {'; '.join(texts)}"]
+
+
+def with_strength(conditions: Conditions, strength: float, later: LaterLoading) -> Conditions:
+    """Return conditions with a compressive strength [Pa] and the crushed strength of ``later``.
+
+    The crushed-strength ratio is multiplied by that of ``later``, whose shift is not used.
+    """
+    rock = conditions.rock._replace(compressive_strength=strength)
+    ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
+    choices = conditions.choices._replace(crushed_strength_ratio=ratio)
+    return conditions._replace(rock=rock, choices=choices)
+
+
+def simulate_surface(
+    first: Conditions,
+    cycles: int,
+    stresses: Sequence[float],
+    walls: SimulatedWalls,
+    wavelength: float,
+    numbered: Mapping[int, float],
+    laters: Sequence[LaterLoading],
+    *,
+    scans: Any,
+    report: Any,
+) -> xr.Dataset:
+    """Simulate one surface at each strength, and each of ``laters`` after its first loading.
+
+    ``numbered`` are the strengths [Pa] by the numbers of the joints. Return net closures [m] at the
+    stresses [Pa], (later, strength, cycle, branch, stress), NaN for loadings that failed.
+    """
+    levels = np.array(stresses)
+    once_cycles = 1 if tuple(laters) != (LaterLoading(),) else cycles
+    closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)
+    for place, (number, strength) in enumerate(numbered.items()):
+        conditions = with_strength(first, strength, LaterLoading())
+        pair = walls.pair(number, wavelength, scans)
+        once = simulate_walls(*pair, conditions._replace(cycles=once_cycles))
+        if once.status >= FAILURE:
+            report(f"joint {number}: status {int(once.status)}")
+            continue
+        closures[:, place, :once_cycles] = history_of(once).net.at(levels)
+        crushed = once.upper_final.values, once.lower_final.values
+        for kind, later in enumerate(laters if once_cycles < cycles else ()):
+            conditions = with_strength(first, strength, later)._replace(cycles=cycles - 1)
+            seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
+            again = simulate_walls(*seated, conditions, pristine=pristine)
+            if again.status < FAILURE:
+                closures[kind, place, 1:] = history_of(again).net.at(levels)
+        report(f"joint {number} of {strength:.3g} Pa closed")
+    dims = ("later", "strength", "cycle", "branch", "stress")
+    return xr.Dataset({"closure": (dims, closures, {"units": "m"})})

@@ -1,0 +1,74 @@
+"""JRC and RMS slope (Z2) of walls, and published relations between them."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs import InputError, check_one_of
+
+
+class Relation(NamedTuple):
+    """JRC(Z2) at an ``interval`` [m]: a Z2 + b, a log10 Z2 + b or a Z2^c + b by its ``form``."""
+
+    form: str
+    a: float
+    b: float
+    interval: float
+    c: float = 1.0
+    smallest_jrc: float = 0.0
+    largest_jrc: float = 20.0
+
+    def jrc(self, z2: float | np.ndarray) -> Any:
+        """Return the JRC for RMS slopes at the relation's interval, even outside of its range."""
+        reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
+        return self.a * reduced + self.b
+
+
+RELATIONS = {
+    "yu_vayssade_linear_0.25mm": Relation("linear", 60.32, -4.51, 0.25e-3),  # Yu & Vayssade 1991
+    "yu_vayssade_log_0.25mm": Relation("logarithmic", 28.1, 28.43, 0.25e-3),  # Yu & Vayssade 1991
+    "yu_vayssade_linear_0.5mm": Relation("linear", 61.79, -3.47, 0.5e-3),  # 1991, by later texts
+    "yu_vayssade_linear_1mm": Relation("linear", 64.22, -2.31, 1e-3),  # 1991, no source was seen
+    "tse_cruden": Relation("logarithmic", 32.47, 32.2, 0.5e-3),  # 1979, at about 0.5 mm
+    "yang": Relation("logarithmic", 32.98, 32.69, 0.5e-3),  # Yang et al. 2001
+    "tatone_grasselli_0.5mm": Relation("power", 51.85, -10.37, 0.5e-3, 0.60),  # 2010
+    "tatone_grasselli_1mm": Relation("power", 55.03, -6.10, 1e-3, 0.74),  # 2010
+    "jang": Relation("power", 51.16, -11.44, 0.5e-3, 0.531),  # Jang et al. 2014
+}
+"""Relations of JRC and Z2 of the literature, each beside its source."""
+DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"  # at the spacing of the paper's walls
+
+
+def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
+    """Return the RMS slope of a wall of a JRC at a spacing h [m], Z2(h) = Z2(h0) (h/h0)^(H-1).
+
+    Raise `InputError` if the relation is unknown or does not hold for this JRC.
+    """
+    rule = relation_of(relation)
+    if not rule.smallest_jrc <= jrc <= rule.largest_jrc:
+        limits = f"{rule.smallest_jrc:g} to {rule.largest_jrc:g}"
+        raise InputError(f"jrc = {jrc!r}: {relation} holds from {limits}")
+    reduced = (jrc - rule.b) / rule.a
+    z2 = 10.0**reduced if rule.form == "logarithmic" else reduced ** (1.0 / rule.c)
+    return float(z2 * (spacing / rule.interval) ** (hurst - 1.0))
+
+
+def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
+    """Return the JRC of a wall whose RMS slope at a spacing [m] is Z2, by `z2_of_jrc` reversed.
+
+    It may be outside the range of the relation. Raise `InputError` if the relation is unknown.
+    """
+    rule = relation_of(relation)
+    return float(rule.jrc(z2 * (rule.interval / spacing) ** (hurst - 1.0)))
+
+
+def relation_of(name: str) -> Relation:
+    """Return a relation by its key; `InputError` lists the available keys."""
+    check_one_of("jrc_relation", name, tuple(RELATIONS))
+    return RELATIONS[name]
+
+
+def rms_slope(heights: np.ndarray, spacing: float) -> float:
+    """Return Z2 of a wall (y, x) [m], the RMS slope of all its x and y profiles."""
+    slopes = [np.diff(heights, axis=axis).ravel() / spacing for axis in (0, 1)]
+    return float(np.sqrt(np.mean(np.concatenate(slopes) ** 2)))

@@ -1,0 +1,173 @@
+"""The assessment of a study by `make assess`, in the place of the smaller one of its report."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.assessment.assess import NEEDED_AS_FAILS
+from jointclosure.assessment.effect_names import lacks_effects
+from jointclosure.compilation.code_digests import code_digest
+from jointclosure.statistics.two_level import Interval
+from jointclosure.storage.files import digest
+from studies.assessment.report_tables import (
+    ALL_ROCKS,
+    EFFECTS,
+    ENDS,
+    JUDGED_COLUMNS,
+    LEFT_OUT,
+    NEEDED,
+    SETTING,
+    judged_effects,
+)
+from studies.frame.cases import base_case
+from studies.frame.configuration import Configuration
+from studies.frame.experiments import settings_of
+from studies.paper.report.verdicts import REFERENCE, VERDICT_OF
+
+
+class BaseCondition(NamedTuple):
+    """Roughness (NaN of scanned walls), stress [MPa], and digest of all that joints depend on."""
+
+    jrc: float
+    stress_MPa: float
+    key: str
+
+    def is_at(self, at: Mapping[str, Any]) -> bool:
+        """Return whether a condition (``jrc``, ``stress_MPa``) of an assessment is this one."""
+        return bool(
+            np.isclose([at["jrc"], at["stress_MPa"]], self[:2], rtol=1e-9, equal_nan=True).all()
+        )
+
+
+def base_conditions(study: Configuration) -> dict[str, BaseCondition]:
+    """Return the condition of the base case of each rock of a study."""
+    code = code_digest("jointclosure.ensembles.simulation:simulate_row")
+    conditions = {}
+    for rock in study.rocks:
+        case = base_case(study, rock)
+        key = digest(settings_of(study, case)._replace(realizations=0), code)
+        conditions[rock] = BaseCondition(case.jrc, 1e-6 * case.max_normal_stress, key)
+    return conditions
+
+
+def with_larger(
+    table: pd.DataFrame,
+    larger: pd.DataFrame,
+    conditions: Mapping[str, BaseCondition],
+    stated: str,
+    within: float,
+) -> tuple[pd.DataFrame, int]:
+    """Return the table of an assessment by more joints, if there is one of the same study.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Table of the assessment in the report (`assessed_table`).
+    larger : DataFrame
+        Table ``assessment.csv`` of `make assess`.
+    conditions : mapping
+        Those of the study's base cases (`base_conditions`).
+    stated : str
+        Name of the variant with the settings of the study.
+    within : float
+        Request [1].
+
+    Returns
+    -------
+    DataFrame, int
+        The table, and the joints of each rock; ``table`` and 0 unless ``larger`` has more joints of
+        every rock of the study, simulated with the same settings. Intervals of all rocks together
+        are those of independent means, by the Student's t of one rock, and so rather too wide. The
+        share that remains, and errors of times, are not known.
+    """
+    keys = {rock: condition.key for rock, condition in conditions.items()}
+    same = larger[larger.get("study_key", "") == larger.rock.map(keys)]
+    few = table.joints.where(table.rock != ALL_ROCKS).max() if "joints" in table else 0
+    if set(same.rock) != set(keys) or not same.joints.min() > few:
+        return table, 0
+    rows = list[dict[str, Any]]()
+    for rock, of_rock in same.groupby("rock", sort=False):
+        rows += _rows(of_rock, str(rock), stated, within)
+    if len(keys) > 1:
+        rows += _together(pd.DataFrame(rows), len(keys), within)
+    made = pd.DataFrame(rows)
+    states = table[table.kind == EFFECTS].drop_duplicates(["rock", "variant"])
+    states = states.set_index(["rock", "variant"])
+    measured = pd.MultiIndex.from_frame(made[["rock", "variant"]])
+    left_out = states[states.state == LEFT_OUT].reindex(measured)
+    for name in ("state", "reason"):
+        made[name] = made[name].where(left_out[name].isna().to_numpy(), left_out[name].to_numpy())
+    others = states[~states.index.isin(measured)].reset_index()
+    kept = ["rock", "variant", "kind", "state", "reason"]
+    others = others[others.cycle.isna() if "cycle" in others else others.index >= 0][kept]
+    made = pd.concat([made, others], ignore_index=True)
+    made = made.reindex(columns=list(dict.fromkeys([*table.columns, *made.columns])))
+    words = {"verdict": "", "needed_by": "", "state": "", "reason": ""}
+    return made.fillna(words), int(same.joints.min())
+
+
+def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[dict[str, Any]]:
+    """Return the rows of a rock in the columns of `assessed_table`."""
+    times = of_rock.groupby("variant").seconds.first()
+    rows = []
+    for variant, of_variant in of_rock.groupby("variant", sort=False):
+        effects = bool(lacks_effects(pd.Series([variant]))[0])
+        cycles = []
+        for cycle, part in of_variant.groupby("cycle"):
+            first = part.iloc[0]
+            fails = str(first.verdict) == NEEDED_AS_FAILS
+            row: dict[str, Any] = {"rock": rock, "kind": EFFECTS if effects else SETTING}
+            row |= {"variant": variant, "reference": first.reference, "cycle": cycle}
+            row |= {"of_study": variant == stated, "joints": first.joints, "failed": int(fails)}
+            for quantity, name in JUDGED_COLUMNS.items():
+                found = part[part.quantity == quantity].iloc[0]
+                row |= {
+                    f"{name}_percent{suffix}": found[f"{end}_percent"]
+                    for end, suffix in ENDS.items()
+                }
+            seconds = math.nan if fails else times[variant]
+            row |= {"seconds": seconds, "seconds_standard_error": math.nan}
+            row |= {"time_percent": 100.0 * (seconds / times[stated] - 1.0)}
+            row |= {"time_percent_standard_error": math.nan}
+            row |= {"state": NEEDED, "reason": "joints fail without it"} if fails else {}
+            cycles.append({"state": "", "reason": ""} | row)
+        rows += _judged(cycles, within)
+    return rows
+
+
+def _judged(rows: list[dict[str, Any]], within: float) -> list[dict[str, Any]]:
+    """Return the rows of the cycles of a variant with their verdicts."""
+    if rows[0]["kind"] == EFFECTS:
+        verdict, needed_by = judged_effects(rows, within)
+        return [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
+    return [row | {"verdict": _of_setting(row, within), "needed_by": ""} for row in rows]
+
+
+def _of_setting(row: Mapping[str, Any], within: float) -> str:
+    if row["variant"] == row["reference"]:
+        return REFERENCE
+    ends = (0.01 * row[f"change_percent{suffix}"] for suffix in ENDS.values())
+    return VERDICT_OF[Interval(*ends).within(within)]
+
+
+def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, Any]]:
+    """Return the rows of all rocks together, of the variants that all of them have."""
+    rows = []
+    for _, of_variant in table.groupby("variant", sort=False):
+        cycles = []
+        for _, part in of_variant.groupby("cycle"):
+            if len(part) < rocks:
+                continue
+            row = part.iloc[0].to_dict() | {"rock": ALL_ROCKS}
+            row |= {name: part[name].sum() for name in ("joints", "failed")}
+            row |= {name: part[name].mean() for name in ("seconds", "time_percent")}
+            for name in ("change_percent", "gross_percent"):
+                value = part[name].mean()
+                half = np.linalg.norm(part[f"{name}_high"] - part[name]) / rocks
+                row |= {name: value, f"{name}_low": value - half, f"{name}_high": value + half}
+            cycles.append(row)
+        rows += _judged(cycles, within) if cycles else []
+    return rows

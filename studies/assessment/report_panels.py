@@ -1,0 +1,263 @@
+"""Small panels of the assessment in the report of a study, for its first screen."""
+
+import itertools
+from collections.abc import Iterable, Mapping
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
+from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
+from studies.assessment.report_tables import (
+    ALL_ROCKS,
+    EFFECTS,
+    SETTING,
+)
+from studies.frame.panels import key, point_key
+from studies.frame.settings import BASE
+from studies.paper.report.verdicts import REFERENCE, TOO_FEW, WIDEST, is_too_wide, verdict_of_cycles
+from studies.paper.tables_1_to_3 import case_title, figure_text
+
+SIZE = (4.2, 3.6)
+"""Size of a panel [inches]: at the width of a phone its smallest letters have 9 pixels."""
+SMALL = 8.0
+"""Size of the smallest letters [points]."""
+WORST = 8
+"""Number of joints that are shown, the worst first."""
+LINEAR = 10.0
+"""Percentage up to which the axes of effects are linear."""
+_MARKS = "sD^vP"
+_PALE = {"alpha": 0.35}
+_NO_BAR = f"{TOO_FEW}: wider than ±{WIDEST:g} %"
+_CLOSURES = {"change_percent": "net", "gross_percent": "gross"}
+"""Names of closures by their columns."""
+_OFFSET = 1.05
+"""Ratio of the times at which markers of two cycles are drawn, so that they do not overlap."""
+
+
+def pooled(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of all rocks together, or of the only rock."""
+    return table[table.rock == (ALL_ROCKS if (table.rock == ALL_ROCKS).any() else table.rock)]
+
+
+def _letters() -> dict[str, Any]:
+    return {"fontsize": SMALL}
+
+
+@styled
+def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
+    """Draw the error of each setting over the time of a joint, with the setting of the study.
+
+    Bars are 95 % intervals. The legend has the verdict on each setting by these: whether its error
+    is shown to be within the request in all cycles, or beyond it in one. ``table`` is that of
+    `studies.assessment.report_tables.assessed_table`, ``within`` the request [1].
+    """
+    shown = pooled(table[table.kind == SETTING]).astype({"cycle": int})
+    figure, axes = subplots(figsize=SIZE)
+    limit = 100.0 * within
+    axes.axhspan(-limit, limit, color="0.9", lw=0.0, zorder=0)
+    axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
+    variants = list(dict.fromkeys(shown.variant))
+    cycles = sorted(shown.cycle.unique())
+    marks = dict(zip(variants, _MARKS, strict=False))
+    for row in shown.itertuples():
+        at = row.seconds * _OFFSET ** (cycles.index(row.cycle) - 0.5 * (len(cycles) - 1))
+        style: dict[str, Any] = {"color": f"C{row.cycle - 1}", "marker": marks[row.variant]}
+        style |= _PALE if _is_pale(row) else {}
+        axes.errorbar([at], [row.change_percent], [_half_width(row)], ms=5, lw=1.0, **style)
+        if row.of_study:
+            ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
+            axes.plot([at], [row.change_percent], "o", **ring)
+    reach = max(abs(row.change_percent) + _half_width(row) for row in shown.itertuples())
+    axes.set(xscale="log", xlim=(0.6 * shown.seconds.min(), 1.8 * shown.seconds.max()))
+    decimal_ticks(axes.xaxis)
+    end = max(1.3 * float(reach), 2.0 * limit)
+    scale = percent_ticks(axes.yaxis, limit, -end, end)
+    reference = shown.reference.iloc[0]
+    axes.set_xlabel("processor time of a joint (s), logarithmic", **_letters())
+    lines = ["error of mean net closure (%)", f"against {reference}{scale}".replace(", ", ",\n")]
+    words = "\n".join(lines)
+    axes.set_ylabel(words, **_letters())
+    axes.set_title("Error against time", fontsize=10)
+    verdicts = {name: verdict_of_cycles(shown[shown.variant == name]) for name in variants}
+    handles = [
+        point_key(f"{name}: {verdict}", marks[name], color="0.4", ms=5)
+        for name, verdict in verdicts.items()
+    ]
+    handles += [key(f"cycle {cycle}", color=f"C{cycle - 1}", lw=3) for cycle in cycles]
+    handles += [
+        point_key("this study", "o", mfc="none", mec="k", mew=1.2, ms=9),
+        point_key("95 % interval", "|", color="0.4", ms=8),
+    ]
+    if any(_is_pale(row) for row in shown.itertuples()):
+        handles.append(point_key(_NO_BAR, "o", color="0.4", ms=5, **_PALE))
+    joints = int(shown.joints.max())
+    title = f"By {joints} joints, within ±{limit:g} % (grey) in all cycles or beyond it in one:"
+    return _finished(figure, [axes], handles, title=title)
+
+
+def _half_width(row: Any, name: str = "change_percent") -> float:
+    """Return half of the 95 % interval of a change [%]; 0, so no bar, if it is wider than shown."""
+    half = getattr(row, f"{name}_high") - getattr(row, name)
+    return float(half) if half <= WIDEST else 0.0
+
+
+def _is_pale(row: Any, name: str = "change_percent") -> bool:
+    """Return whether the interval of a change is too wide to be drawn."""
+    return row.verdict != REFERENCE and is_too_wide(row._asdict(), name)
+
+
+@styled
+def effects_panel(table: pd.DataFrame) -> Figure:
+    """Draw changes of mean closures and of the time without each effect, of `assessed_table`.
+
+    Marks of gross closure are hollow. Changes whose intervals are too wide are pale.
+    """
+    shown = pooled(table[table.kind == EFFECTS])
+    names = list(dict.fromkeys(shown.variant))
+    measured = shown.dropna(subset="change_percent").astype({"cycle": int})
+    figure, (left, right) = subplots(1, 2, figsize=SIZE, sharey=True, width_ratios=(1.3, 1.0))
+    panels = [left, right]
+    for axes in panels:
+        axes.axvline(0.0, color="0.5", lw=0.8, zorder=1)
+    cycles = sorted(measured.cycle.unique())
+    quantities = [name for name in ("change_percent", "gross_percent") if name in measured]
+    marks = list(itertools.product(cycles, quantities))
+    ends = [-5.0, 5.0]
+    pale = False
+    for row in measured.itertuples():
+        for number, (cycle, name) in enumerate(marks):
+            value = getattr(row, name)
+            if cycle != row.cycle or not np.isfinite(value):
+                continue
+            at = names.index(row.variant) + 0.16 * (number - 0.5 * (len(marks) - 1))
+            error = _half_width(row, name)
+            style: dict[str, Any] = {"color": f"C{cycle - 1}", "fmt": "o", "ms": 4, "lw": 1.0}
+            style |= {} if name == quantities[0] else {"mfc": "w"}
+            style |= _PALE if _is_pale(row, name) else {}
+            pale |= _is_pale(row, name)
+            left.errorbar([value], [at], xerr=[error], **style)
+            ends += [value - error, value + error]
+    times = measured.drop_duplicates("variant").dropna(subset="time_percent")
+    error = times.time_percent_standard_error.fillna(0.0)
+    rows = [names.index(name) for name in times.variant]
+    right.errorbar(times.time_percent, rows, xerr=error, fmt="o", ms=4, lw=1.0, color="0.3")
+    ends_of_time = [-5.0, 5.0, *(times.time_percent - error), *(times.time_percent + error)]
+    left.set_xlabel("change of mean closure (%)", **_letters())
+    right.set_xlabel("change of time (%)", **_letters())
+    scales = {
+        side: percent_ticks(axes.xaxis, LINEAR, 1.5 * min(of), 1.5 * max(of), narrow=True)
+        for side, axes, of in (("left", left, ends), ("right", right, ends_of_time))
+    }
+    for place, name in enumerate(names):
+        row = shown[shown.variant == name].iloc[0]
+        if row.state and not np.isfinite(row.change_percent):
+            panels[0].annotate(
+                row.state, (0.04, place), xycoords=("axes fraction", "data"), va="center",
+                color="0.4", **_letters(),
+            )  # fmt: skip
+    logarithmic = [side for side, words in scales.items() if words]
+    axis = "both axes" if len(logarithmic) == 2 else " ".join([*logarithmic, "axis"])
+    scale = f"{axis} logarithmic beyond ±{LINEAR:g} %" if logarithmic else ""
+    for axes in panels:
+        axes.set_ylim(len(names) - 0.5, -0.5)
+        axes.yaxis.set_minor_locator(NullLocator())
+    panels[0].set_yticks(range(len(names)), [name.removeprefix("without ") for name in names])
+    figure.suptitle("Changes without each effect", fontsize=10)
+    handles = [
+        point_key(
+            f"{_CLOSURES[name]}, cycle {cycle}",
+            color=f"C{cycle - 1}",
+            mfc=None if name == quantities[0] else "w",
+            ms=4,
+        )
+        for cycle, name in marks
+    ]
+    handles += [point_key(_NO_BAR, "o", color="0.4", ms=4, **_PALE)] if pale else []
+    bars = "bars: 95 % interval of closure, ± standard error of time"
+    title = "\n".join(filter(None, [scale, bars]))
+    return _finished(figure, panels, handles, 2, title)
+
+
+@styled
+def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
+    """Draw the worst pairs of walls of `studies.assessment.report_tables.hardness_table`.
+
+    A bar is the worst case of a pair of walls, and a line the range over all of its cases.
+    """
+    pairs = [rows for _, rows in table.groupby(["rock", "walls"], sort=False)][:WORST]
+    worst = [next(rows.itertuples()) for rows in pairs]
+    figure, axes = subplots(figsize=SIZE)
+    limit = 100.0 * LARGEST_UNBREAKABLE_SHARE
+    rocks = list(titles)
+    values = [float(np.nan_to_num(row.unbreakable_percent)) for row in worst]
+    colours = [f"C{rocks.index(row.rock)}" for row in worst]
+    axes.barh(range(len(worst)), values, color=colours, height=0.6)
+    axes.axvline(limit, color="0.3", ls="--", lw=1.0)
+    ends = []
+    for place, (row, rows) in enumerate(zip(worst, pairs, strict=True)):
+        shares = rows.unbreakable_percent.fillna(0.0)
+        if len(rows) > 1:
+            axes.plot([shares.min(), shares.max()], [place, place], "|-", color="0.2", lw=1.0)
+        ends.append(float(shares.max()))
+        words = row.verdict if isinstance(row.verdict, str) and row.verdict else "no remark"
+        axes.annotate(
+            fill(words, 18), (ends[place], place), xytext=(5, 0), textcoords="offset points",
+            va="center", color="0.2", bbox={"fc": "w", "ec": "none", "pad": 0.5}, **_letters(),
+        )  # fmt: skip
+    labels = [_joint_title(row, titles, len(rows)) for row, rows in zip(worst, pairs, strict=True)]
+    axes.set_yticks(range(len(worst)), labels)
+    span = 1.7 * max(1.25 * limit, *ends) if ends else limit  # room for words
+    axes.set(xlim=(0.0, span), ylim=(len(worst) - 0.4, -0.6))
+    words = f"force on contacts that cannot break (%), dashed: limit ({limit:g} %)"
+    if any(len(rows) > 1 for rows in pairs):
+        words += "\nbar: worst case of a pair of walls, line: range over its cases"
+    figure.supxlabel(words, **_letters())
+    total = int(table.ranked.iloc[0]) if len(table) else 0
+    figure.suptitle(f"The {len(worst)} hardest pairs of walls, of {total} joints", fontsize=10)
+    axes.tick_params(labelsize=SMALL)
+    axes.tick_params(axis="y", length=0)
+    sns.despine(figure, left=True)
+    return figure
+
+
+def _joint_title(row: Any, titles: Mapping[str, str], cases: int) -> str:
+    """Name a joint: its rock and number, and in a second line its cases, or that which changed."""
+    rock, _, changed = case_title(titles, row.rock, row.parameter, row.level).rpartition(", ")
+    rock, changed = (rock, changed) if row.parameter != BASE else (titles[row.rock], "")
+    changed = changed if cases == 1 else f"{cases} cases"
+    return figure_text(f"{rock}, joint {row.joint}") + (f"\n{changed}" if changed else "")
+
+
+def _finished(
+    figure: Figure, panels: Iterable[Axes], handles: list, columns: int = 2, title: str = ""
+) -> Figure:
+    for axes in panels:
+        axes.tick_params(labelsize=SMALL)
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": columns, "frameon": False}
+    figure.legend(handles=handles, title=title, title_fontsize=SMALL, **place, **_letters())
+    sns.despine(figure)
+    return figure
+
+
+def first_panels(
+    hardness: pd.DataFrame,
+    titles: Mapping[str, str],
+    differences: pd.DataFrame | None,
+    within: float | None,
+) -> dict[str, Figure]:
+    """Draw the panels by the names of their files; those of ``differences`` if they were tabulated.
+
+    ``titles`` are those of the rocks, ``within`` is the requested error [1].
+    """
+    panels = {"study_hardness": hardness_panel(hardness, titles)}
+    if differences is not None and within is not None:
+        panels["study_accuracy"] = accuracy_panel(differences, within)
+        panels["study_effects"] = effects_panel(differences)
+    return panels

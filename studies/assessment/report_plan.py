@@ -1,0 +1,195 @@
+"""Plan of the joints that are simulated by variants for the report of a study.
+
+They take at most a share of the study's time. The plan follows from expected times only, so that a
+configuration has the same plan on every machine. Joints with the settings of the study are not
+simulated again: they are in its dataset.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from jointclosure.assessment.assess import JUDGED, assessed_variants
+from jointclosure.joint.conditions import Conditions
+from jointclosure.uncertainty.expected_cost import relative_cost
+from studies.assessment.section import AssessmentSection
+from studies.frame.cases import base_case, cases_of, ensembles_of, seconds_by_paper
+from studies.frame.configuration import Configuration
+from studies.frame.experiments import settings_of
+from studies.frame.settings import Point
+
+FEWEST = 2
+"""Fewest joints of a rock: the error of a mean of one is not known."""
+LEAST_SECONDS = 60.0
+"""Expected processor time [s] that `FEWEST` joints may take although they exceed the share."""
+COSTLY = 5.0
+"""Largest cost of a joint without an effect, over that of a joint of the study, for which this
+variant is kept where the share does not allow all effects."""
+RESIDUAL = "residual_closure_seated_net"
+"""Net closure that remains at seating."""
+READ = (*JUDGED, RESIDUAL)
+"""Quantities that are read of the joints."""
+
+
+class AssessmentPlan(NamedTuple):
+    """Joints of base cases that are simulated by variants.
+
+    Attributes
+    ----------
+    stated : str
+        Name of the variant with the settings of the study.
+    ladder : tuple of str
+        Settings of the numerics that are compared, the reference last.
+    omitted : tuple of str
+        Variants that the share does not allow.
+    joints : int
+        Joints of each rock.
+    points : dict
+        Points of each rock, one for each variant that is simulated. Empty if even the fewest
+        joints would take more than the share, and more than `LEAST_SECONDS`.
+    seconds, study_seconds : float
+        Expected processor time [s] of these joints (of the fewest if there are no points), and of
+        the whole study.
+    share : float
+        Share of the time of the study that they may take [1].
+    """
+
+    stated: str
+    ladder: tuple[str, ...]
+    omitted: tuple[str, ...]
+    joints: int
+    points: dict[str, tuple[Point, ...]]
+    seconds: float
+    study_seconds: float
+    share: float
+
+    @property
+    def within(self) -> bool:
+        """Whether the joints take no more than the share."""
+        return self.seconds <= self.share * self.study_seconds
+
+
+def study_seconds(study: Configuration) -> float:
+    """Return the expected processor time [s] of all joints of a study."""
+    return sum(
+        of.study.realizations * seconds_by_paper(of) * _cost(case.conditions)
+        for of in ensembles_of(study).values()
+        for case in cases_of(of)
+    )
+
+
+def _ladder_of(given: Conditions) -> list[str]:
+    return assessed_variants(given._replace(flow=False).checked())[1]
+
+
+def _cost(conditions: Conditions) -> float:
+    return relative_cost(conditions.effects, conditions.numerics)
+
+
+def planned(study: Configuration) -> AssessmentPlan | None:
+    """Return the plan of the joints for the report of a study; None without an assessment.
+
+    First the largest scope of settings and effects is taken for which the share allows `FEWEST`
+    joints of every rock. Then as many joints are planned as the share allows. If it allows no scope
+    for every rock, the smallest scope is planned for the first rocks only.
+    """
+    section = study.section_or_none(AssessmentSection)
+    if section is None:
+        return None
+    of_rocks = {rock: base_case(study, rock).conditions for rock in study.rocks}
+    whole = study_seconds(study)
+    seconds = seconds_by_paper(study)
+    allowed = section.share * whole / seconds  # in joints by the paper's steps
+    most = FEWEST if study.study.accuracy else min(section.joints, study.study.realizations)
+    again = study.flow or study.effects.auto is not None
+
+    def costs(scope: "_Scope") -> list[float]:
+        return [scope.cost(given, again) for given in of_rocks.values()]
+
+    # a rock without breakage has only one setting of the numerics
+    scopes = list(_scopes(max(of_rocks.values(), key=lambda given: len(_ladder_of(given)))))
+    for scope in scopes:
+        if FEWEST * sum(costs(scope)) <= allowed:
+            rocks = list(of_rocks)
+            joints = min(most, int(allowed / (sum(costs(scope)) or 1.0)))
+            break
+    else:
+        scope = scopes[-1]
+        joints = FEWEST
+        of_each = costs(scope)
+        fitting = [n for n in range(1, len(of_each)) if joints * sum(of_each[:n]) <= allowed]
+        rocks = list(of_rocks)[: max(fitting, default=1)]
+    expected = joints * seconds * sum(costs(scope)[: len(rocks)])
+    closes = expected <= max(section.share * whole, LEAST_SECONDS)
+    of_rock = {rock: scope.points(study, rock, joints, again) for rock in rocks if closes}
+    points = {rock: points for rock, points in of_rock.items() if points}
+    return AssessmentPlan(
+        scope.stated, scope.ladder, scope.omitted, joints, points, expected, whole, section.share
+    )
+
+
+class _Scope(NamedTuple):
+    """Settings that are compared, and whether costly variants of effects are compared too."""
+
+    stated: str
+    ladder: tuple[str, ...]
+    omitted: tuple[str, ...]
+    costly: bool
+
+    def variants(self, given: Conditions, again: bool) -> dict[str, Conditions]:
+        """Return the variants of a rock to simulate, without the stated one unless ``again``."""
+        stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
+        most = COSTLY * _cost(given) if not self.costly else float("inf")
+        shown = (*self.ladder, *(name for name in variants if name not in ladder))
+        return {
+            name: variants[name]
+            for name in shown
+            if name in variants
+            and (name in ladder or _cost(variants[name]) <= most)
+            and (again or name != stated)
+        }
+
+    def cost(self, given: Conditions, again: bool) -> float:
+        """Return the cost of a joint of a rock by all variants, in joints by the paper's steps."""
+        return sum(map(_cost, self.variants(given, again).values()))
+
+    def points(
+        self, study: Configuration, rock: str, joints: int, again: bool
+    ) -> tuple[Point, ...]:
+        """Return the points of a rock, one for each variant, with ``joints`` realisations."""
+        settings = settings_of(study, base_case(study, rock))
+        settings = settings._replace(realizations=joints, effects_chosen_to=None)
+        return tuple(
+            Point(
+                {"rock": rock, "variant": name},
+                settings.under(
+                    numerics=conditions.numerics, effects=conditions.effects, flow=False
+                ),
+            )
+            for name, conditions in self.variants(settings.conditions, again).items()
+        )
+
+
+def _scopes(given: Conditions) -> Iterator[_Scope]:
+    """Generate scopes of comparison from the largest to the smallest.
+
+    The first has all settings and effects. Then settings are left out, until the stated one and one
+    that is finer remain, and finally the variants of effects that are costly.
+    """
+    stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
+    effects = [name for name in variants if name not in ladder]
+    costly = [name for name in effects if _cost(variants[name]) > COSTLY * _cost(given)]
+    finer = ladder[ladder.index(stated) + 1 :]
+    kept: list[Sequence[str]] = [ladder]
+    if len(finer) > 1:
+        kept += [ladder[:-1], [stated, finer[-2]]]
+    elif finer:
+        kept += [[stated, finer[-1]]]
+    for settings in kept:
+        yield _Scope(stated, (*settings,), _others(ladder, settings), True)
+    if costly:
+        omitted = (*_others(ladder, kept[-1]), *costly)
+        yield _Scope(stated, (*kept[-1],), omitted, False)
+
+
+def _others(names: Sequence[str], kept: Sequence[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if name not in kept)

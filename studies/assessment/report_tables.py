@@ -1,0 +1,433 @@
+"""Tables of the assessment in the report of a study: accuracy reached, effects, hard joints."""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.assessment.assess import (
+    CLOSURE,
+    DROPS,
+    JUDGED,
+    NEEDED_AS_FAILS,
+    results_beyond,
+    verdict_on_effects,
+)
+from jointclosure.assessment.effect_names import without
+from jointclosure.joint.status import (
+    FAILURE,
+    FLAGS,
+    LARGEST_UNBREAKABLE_SHARE,
+    OUTSIDE_MODEL_RANGE,
+    TARGET_JUMPED,
+    unbreakable_share,
+)
+from jointclosure.parameters import Effects
+from jointclosure.statistics.number_texts import percent
+from jointclosure.statistics.standard_errors import Estimate, mean_of
+from jointclosure.statistics.two_level import Interval, t_interval
+from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
+from studies.frame.settings import BASE
+from studies.frame.tables import in_words, succeeded
+from studies.paper.closure_tables import estimate_columns
+from studies.paper.report.verdicts import REFERENCE, VERDICT_OF
+
+ALL_ROCKS = "all rocks"
+"""Value of the column ``rock`` in rows of all rocks together; keys of rocks have no space."""
+SETTING, EFFECTS = "setting", "effects"
+"""Kinds of variants."""
+GROSS = JUDGED[1]
+"""Quantity by which, besides the net closure, effects are judged."""
+MOST_RANKED = 1000
+"""Largest number of joints that are ranked."""
+OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
+"""States of an effect: off, left out by `effects.auto`, needed by the joints, not tested."""
+
+
+class _Closed(NamedTuple):
+    """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (n,) [s] of others.
+
+    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating, and
+    ``gross`` gross closures.
+    """
+
+    closures: np.ndarray
+    residuals: np.ndarray
+    gross: np.ndarray
+    seconds: np.ndarray
+
+
+def assessed_table(
+    study: xr.Dataset,
+    joints: Mapping[str, xr.Dataset],
+    plan: AssessmentPlan,
+    effects: Mapping[str, Effects],
+    within: float,
+) -> pd.DataFrame:
+    """Tabulate the differences of variants of the base cases, and the times of their joints.
+
+    Parameters
+    ----------
+    study : Dataset
+        Joints of the study.
+    joints : mapping
+        Joints of `plan`'s points by rock, along ``joint``.
+    plan : AssessmentPlan
+        Plan by which the joints were simulated.
+    effects : mapping
+        Effects that the configuration states for each rock, before `effects.auto` leaves some out.
+    within : float
+        Relative error that is requested of mean closures [1].
+
+    Returns
+    -------
+    DataFrame
+        A row per variant and cycle, of each rock and of all together (`ALL_ROCKS`): ``kind``
+        (setting or effects), ``reference``, ``joints`` (n), ``change_percent`` of the mean net
+        closure since seating, ``seconds`` of a joint, and ``time_percent``, the change of the time
+        from that of the study's joints; with standard errors. ``change_percent`` has its 95 %
+        interval by Student's t (``_low``, ``_high``; infinite for one joint), and ``gross_percent``
+        is that of the mean gross closure. The ``verdict`` on a setting is one of `VERDICTS` by the
+        net closure of the cycle, or `REFERENCE`. That on effects is the one of
+        `jointclosure.assess` by net and gross closure of all cycles, and ``needed_by`` names the
+        results that make them needed. Times are those of joints that succeeded. ``remains_points``
+        is the change of the share of the
+        closure that remains at seating [percentage points], with its interval. ``state`` and
+        ``reason`` are those of effects that were not tested, that the study left out, or that its
+        joints need.
+    """
+    chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
+    closed = {rock: _closed(study, rock, part, plan) for rock, part in joints.items()}
+    rows = list[dict[str, Any]]()
+    groups = {rock: [rock] for rock in closed} | (
+        {ALL_ROCKS: list(closed)} if len(closed) > 1 else {}
+    )
+    for name, rocks in groups.items():
+        variants = list(dict.fromkeys(v for rock in rocks for v in closed[rock]))
+        for variant in variants:
+            of_variant = [closed[rock] for rock in rocks if variant in closed[rock]]
+            rows += _rows(name, variant, of_variant, plan, within)
+    table = pd.DataFrame(rows)
+    states = pd.DataFrame(
+        [
+            {"rock": rock, "variant": variant, "state": state, "reason": reason}
+            for rock, acting in effects.items()
+            for variant, state, reason in _states(acting, plan, chosen.get(rock, {}))
+        ],
+        columns=["rock", "variant", "state", "reason"],
+    )
+    return _with_states(table, states, list(effects))
+
+
+def _closed(
+    study: xr.Dataset, rock: str, joints: xr.Dataset, plan: AssessmentPlan
+) -> dict[str, _Closed]:
+    """Return the joints of a rock by variant, first the settings in the order of their accuracy.
+
+    The stated variant is taken from the dataset of the study unless it is among ``joints``.
+    """
+    found = {}
+    for variant in dict.fromkeys(joints.variant.values.tolist()):
+        found[variant] = _of(joints.isel(joint=(joints.variant == variant).values))
+    if plan.stated not in found:
+        base = study.isel(case=int(np.flatnonzero(_is_base(study, rock))[0]))
+        base = base.rename(realization="joint")
+        closed = _of(base.isel(joint=slice(plan.joints)))
+        # the time of a job's first joint includes the loading of the kernels
+        seconds = _of(base.isel(joint=slice(1, None))).seconds
+        found = {plan.stated: closed._replace(seconds=seconds)} | found
+    order = [name for name in plan.ladder if name in found]
+    return {name: found[name] for name in [*order, *(n for n in found if n not in order)]}
+
+
+def _is_base(study: xr.Dataset, rock: str) -> np.ndarray:
+    return ((study.rock == rock) & (study.parameter == BASE)).values
+
+
+def _of(joints: xr.Dataset) -> _Closed:
+    good = joints.status < FAILURE
+    closures, residuals, gross = (
+        joints[name].where(good).transpose("joint", "cycle").values
+        for name in (CLOSURE, RESIDUAL, GROSS)
+    )
+    seconds = joints.timing_simulation.transpose("joint").values
+    return _Closed(closures, residuals, gross, seconds[good.transpose("joint").values])
+
+
+def _rows(
+    rock: str,
+    variant: str,
+    of_rocks: Sequence[dict[str, _Closed]],
+    plan: AssessmentPlan,
+    within: float,
+) -> Iterator[dict]:
+    """Generate the rows of a variant of one or several rocks together, one for each cycle."""
+    setting = variant in plan.ladder
+    reference = plan.ladder[-1] if setting else plan.stated
+    pairs = [
+        (of[variant], of[reference], of[plan.stated])
+        for of in of_rocks
+        if {reference, plan.stated} <= of.keys()
+    ]
+    if not pairs:
+        return
+    seconds = _together([_mean(own.seconds) for own, *_ in pairs])
+    times = _together([_change(own.seconds, base.seconds) for own, _, base in pairs])
+    joints = sum(len(own.closures) for own, *_ in pairs)
+    rows = []
+    for place in range(pairs[0][0].closures.shape[1]):
+        apart = [_apart(own, best, place) for own, best, _ in pairs]
+        samples, remains, gross = (np.concatenate(parts) for parts in zip(*apart, strict=True))
+        interval = _interval(samples)
+        row: dict[str, Any] = {"rock": rock}
+        row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
+        row |= {"reference": reference, "of_study": variant == plan.stated}
+        row |= {"cycle": place + 1, "joints": samples.size, "failed": joints - samples.size}
+        row |= estimate_columns("change_percent", _mean(samples), 100.0)
+        row |= _limit_columns("change_percent", interval)
+        row["gross_percent"] = 100.0 * _mean(gross).value
+        row |= _limit_columns("gross_percent", _interval(gross))
+        row["verdict"] = REFERENCE if variant == reference else VERDICT_OF[interval.within(within)]
+        row["remains_points"] = 100.0 * _mean(remains).value
+        row |= _limit_columns("remains_points", _interval(remains))
+        row |= estimate_columns("seconds", seconds)
+        rows.append(row | estimate_columns("time_percent", times, 100.0))
+    if not setting:
+        verdict, needed_by = judged_effects(rows, within)
+        rows = [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
+    yield from rows
+
+
+def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
+    """Return the verdict on effects, and the results that make them needed, by the rule of assess.
+
+    ``rows`` are those of the cycles of the variant without them.
+    """
+    if any(row["failed"] for row in rows):
+        return NEEDED_AS_FAILS, ""
+    differences = pd.DataFrame(
+        [
+            {"quantity": quantity, "cycle": row["cycle"]}
+            | {end: 0.01 * row[f"{name}_percent{suffix}"] for end, suffix in ENDS.items()}
+            for row in rows
+            for quantity, name in JUDGED_COLUMNS.items()
+        ]
+    )
+    return verdict_on_effects(differences, within), results_beyond(differences, within)
+
+
+ENDS = {"value": "", "low": "_low", "high": "_high"}
+"""Suffixes of the columns of a number and of its interval."""
+JUDGED_COLUMNS = dict(zip(JUDGED, ("change", "gross"), strict=True))
+"""Beginnings of the columns of changes, by the closures by which effects are judged."""
+
+
+def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
+    """Return differences from a reference on the same walls (joint,), of the cycle at ``place``.
+
+    Their means are the relative change of the mean net closure, the difference of the shares of
+    the mean closure that remain (ratios of means, the scatter by the delta method), and the
+    relative change of the mean gross closure.
+    """
+    arrays = [part[:, place] for of in (own, best) for part in of[:3]]
+    known = np.isfinite(arrays).all(axis=0)
+    one, one_stays, one_gross, two, two_stays, two_gross = (values[known] for values in arrays)
+    if not known.any():
+        return one, one, one
+    shares = [_linear_share(*of) for of in ((one_stays, one), (two_stays, two))]
+    gross = (one_gross - two_gross) / two_gross.mean()
+    return (one - two) / two.mean(), shares[0] - shares[1], gross
+
+
+def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
+    """Return values (n,) whose mean is the ratio of the means of two rows (n,).
+
+    Their scatter is that of the ratio to first order (delta method).
+    """
+    ratio = over.mean() / under.mean()
+    return ratio + (over - ratio * under) / under.mean()
+
+
+def _interval(samples: np.ndarray) -> Interval:
+    """Return the mean of samples with its 95 % interval, infinite for fewer than two."""
+    return t_interval(samples) if samples.size else Interval(math.nan, -math.inf, math.inf)
+
+
+def _limit_columns(name: str, interval: Interval) -> dict[str, float]:
+    """Return the ends of an interval [%] by the names of their columns."""
+    return {f"{name}_low": 100.0 * interval.low, f"{name}_high": 100.0 * interval.high}
+
+
+def _mean(samples: np.ndarray) -> Estimate:
+    """Return a mean with its standard error; the error of fewer than two samples is NaN."""
+    if samples.size < 2:
+        return Estimate(float(samples[0]) if samples.size else math.nan, math.nan)
+    return mean_of(samples)
+
+
+def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
+    """Return the relative change of the mean of ``over`` (n,) from that of ``under`` (m,)."""
+    if over is under:
+        return Estimate(0.0, 0.0)
+    one = _mean(over)
+    two = _mean(under)
+    ratio = one.value / two.value
+    errors = (estimate.standard_error / estimate.value for estimate in (one, two))
+    return Estimate(ratio - 1.0, ratio * math.hypot(*errors))
+
+
+def _together(estimates: Sequence[Estimate]) -> Estimate:
+    """Return the mean of independent estimates with its standard error."""
+    values, errors = np.array(estimates).T
+    return Estimate(float(values.mean()), float(np.linalg.norm(errors)) / len(estimates))
+
+
+def _states(
+    acting: Effects, plan: AssessmentPlan, chosen: Mapping[str, dict]
+) -> Iterator[tuple[str, str, str]]:
+    """Generate variant, state and reason of effects of a rock that are left out or not tested."""
+    for name, acts in acting._asdict().items():
+        if not acts:
+            yield without([name]), OFF, f"off in this study (effects: {name}: false)"
+    if acting.substrate and acting.breakage:
+        yield without(["substrate"]), NEEDED, "joints that break have no equilibrium without it"
+    for variant in plan.omitted:
+        if variant not in plan.ladder and variant.startswith(without([""])):
+            yield variant, NOT_TESTED, "its joints would take more than the share of the time"
+    selected = chosen.get("effects", {})
+    reasons = [line for of in chosen.get("cases", {}).values() for line in of["reasons"]]
+    for names in DROPS:
+        left = [name for name in names if getattr(acting, name) and not selected.get(name, True)]
+        for reason in reasons:
+            if left and reason.startswith(f"{without(names)} the "):
+                words = reason.removeprefix(f"{without(names)} the mean closure ")
+                yield without(names), LEFT_OUT, f"effects.auto: {words}"
+
+
+def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]) -> pd.DataFrame:
+    """Add states and reasons to the rows of variants, and rows of variants not simulated."""
+    if len(rocks) > 1 and len(states):
+        pooled = []
+        for (variant, state, reason), part in states.groupby(
+            ["variant", "state", "reason"], sort=False
+        ):
+            words = reason if len(part) == len(rocks) else f"{', '.join(part.rock)}: {reason}"
+            pooled.append({"rock": ALL_ROCKS, "variant": variant, "state": state, "reason": words})
+        pooled = pd.DataFrame(pooled).groupby(["rock", "variant"], sort=False, as_index=False)
+        states = pd.concat([states, pooled.agg({"state": "first", "reason": "; ".join})])
+    if table.empty:
+        return states.assign(kind=EFFECTS, verdict="", needed_by="")
+    table = table.merge(states, on=["rock", "variant"], how="left")
+    shown = set(zip(table.rock, table.variant, strict=True))
+    groups = set(table.rock)
+    further = states[
+        [
+            rock in groups and (rock, variant) not in shown
+            for rock, variant in zip(states.rock, states.variant, strict=True)
+        ]
+    ]
+    table = pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True)
+    return _with_failures(table.fillna({"state": "", "reason": "", "verdict": "", "needed_by": ""}))
+
+
+def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
+    """Set the state of effects without which joints fail to `NEEDED`, and count these joints."""
+    fails = (table.kind == EFFECTS) & (table.failed > 0)
+    total = table.joints + table.failed
+    for place in table.index[fails & (table.state == "")]:
+        counts = f"{table.failed[place]:.0f} of {total[place]:.0f} joints fail without it"
+        table.loc[place, ["state", "reason"]] = NEEDED, counts
+    return table
+
+
+def cost_table(
+    datasets: Sequence[xr.Dataset], joints: Mapping[str, xr.Dataset], plan: AssessmentPlan
+) -> pd.DataFrame:
+    """Tabulate in one row the joints of the assessment, and their time and the study's [s]."""
+    whole = float(sum(part.timing_simulation.sum() for part in datasets))
+    seconds = float(sum(part.timing_simulation.sum() for part in joints.values()))
+    row = {
+        "stated": plan.stated,
+        "reference": plan.ladder[-1],
+        "omitted": ", ".join(plan.omitted),
+        "rocks": ", ".join(joints),
+        "joints": plan.joints,
+        "closed": sum(part.sizes["joint"] for part in joints.values()),
+        "seconds": seconds,
+        "study_seconds": whole,
+        "share_percent": 100.0 * seconds / whole,
+        "expected_percent": 100.0 * plan.seconds / plan.study_seconds,
+        "allowed_percent": 100.0 * plan.share,
+        "within": plan.within,
+    }
+    return pd.DataFrame([row])
+
+
+_VERDICTS = (
+    "not stable: failed",
+    "jumped over the maximum stress",
+    "hard: outside of the model's range",
+    "",
+)
+"""Verdicts on a joint, the worst first, in the words of `jointclosure.assess` where they mean the
+same; the last one is that of joints without a remark, of which no copies were simulated."""
+
+
+def hardness_table(study: xr.Dataset) -> pd.DataFrame:
+    """Rank the joints of a study by their status and by the force on contacts that cannot break.
+
+    Rows are joints, the worst first, at most `MOST_RANKED`: ``walls`` (seed of their pair of walls,
+    which cases of common draws share), ``verdict``, ``reason``,
+    ``unbreakable_percent`` (largest share of the force of all cycles), ``residual`` (largest of
+    all steps), ``effort`` (breakage steps over the median of the case's rock). ``ranked`` is the
+    number of all joints, and ``verdict_joints`` that of joints with the same verdict.
+    """
+    order = ("case", "realization")
+    status = study.status.transpose(*order).values
+    share = unbreakable_share(study).max("cycle").transpose(*order).values
+    residual = study.largest_residual.transpose(*order).values
+    steps = study.breakage_steps.transpose(*order).values.astype(float)
+    effort = np.full(steps.shape, math.nan)
+    for rock in dict.fromkeys(study.rock.values.tolist()):
+        of_rock = (study.rock == rock).values
+        middle = float(np.nanmedian(steps[of_rock]))
+        effort[of_rock] = steps[of_rock] / middle if middle > 0.0 else math.nan
+    failed = ~succeeded(study).transpose(*order).values
+    jumped, outside = ((status & bit) > 0 for bit in (TARGET_JUMPED, OUTSIDE_MODEL_RANGE))
+    group = np.select([failed, jumped, outside], [0, 1, 2], 3)
+    first = np.lexsort((-effort.ravel(), -np.nan_to_num(share).ravel(), group.ravel()))
+    rows = []
+    for place in first[:MOST_RANKED]:
+        i, j = np.unravel_index(place, status.shape)
+        row: dict[str, Any] = {
+            name: study[name].values[i] for name in ("rock", "parameter", "level")
+        }
+        row["walls"] = str(study.seed.values[i, j])
+        row |= {"joint": int(study.realization.values[j]), "status": int(status[i, j])}
+        row |= {"verdict": _VERDICTS[group[i, j]], "unbreakable_percent": 100.0 * share[i, j]}
+        row |= {"residual": residual[i, j], "effort": effort[i, j]}
+        rows.append(row | {"reason": _reason(row, int(group[i, j]))})
+    counts = {name: int((group == n).sum()) for n, name in enumerate(_VERDICTS)}
+    table = pd.DataFrame(rows)
+    return table.assign(verdict_joints=table.verdict.map(counts), ranked=status.size)
+
+
+def _reason(row: Mapping, group: int) -> str:
+    """Return in words what makes a joint hard; ``group`` is the place of its verdict."""
+    share = (
+        f"{percent(0.01 * row['unbreakable_percent'])} of the force on contacts that cannot break"
+    )
+    limit = f"{share} (limit {percent(LARGEST_UNBREAKABLE_SHARE)})"
+    effort = f"{row['effort']:.2g} times the median number of breakage steps"
+    if group == 0:
+        return ", ".join(in_words(name) for bit, name in FLAGS.items() if row["status"] & bit)
+    if group == 1:
+        return "breakage made the stress jump over its maximum"
+    known = [limit] if row["unbreakable_percent"] > 0.0 else []
+    if math.isfinite(row["effort"]):
+        known.append(effort)
+    return "; ".join(known) or f"residual of equilibrium {row['residual']:.2g}"

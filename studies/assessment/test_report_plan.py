@@ -1,0 +1,129 @@
+"""Which joints the assessment in a report closes: a share of the study's expected time."""
+
+import pytest
+
+from jointclosure.uncertainty import expected_cost
+from jointclosure.uncertainty.expected_cost import relative_cost
+from studies.assessment.report_plan import COSTLY, FEWEST, LEAST_SECONDS, planned, study_seconds
+from studies.frame.cases import base_case, block_settings, closed_keys, seconds_by_paper
+from studies.frame.settings import seeds_of
+from studies.frame.yaml_files import read_plain
+from tests.studied import ROOT, study_of
+
+CONFIGURATIONS = sorted(
+    path.name for path in (ROOT / "config").glob("*.yaml") if path.name != "measured_wall.yaml"
+)
+SMALL = {"study": {"realizations": 3, "pool": None, "rocks": ["slate"]}}
+
+
+def expected(study, plan):
+    """Return the expected time [s] of the joints of a plan."""
+    points = [point for points in plan.points.values() for point in points]
+    costs = (
+        relative_cost(one.settings.conditions.effects, one.settings.conditions.numerics)
+        for one in points
+    )
+    return plan.joints * seconds_by_paper(study) * sum(costs)
+
+
+@pytest.mark.parametrize("name", CONFIGURATIONS)
+def test_the_joints_take_no_more_than_their_share_or_it_says_so(name, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    study = study_of(read_plain(f"config/{name}"))
+    plan = planned(study)
+    assert plan.joints >= FEWEST
+    assert plan.points
+    assert plan.seconds == pytest.approx(expected(study, plan))
+    assert plan.study_seconds == pytest.approx(study_seconds(study))
+    assert plan.within == (plan.seconds <= 0.1 * plan.study_seconds)
+    if not plan.within:  # the fewest joints of one rock
+        assert (plan.joints, len(plan.points)) == (FEWEST, 1)
+        assert plan.seconds <= LEAST_SECONDS
+
+
+def test_the_default_study_is_assessed_in_all_rocks_within_a_tenth_of_its_time():
+    study = study_of()
+    plan = planned(study)
+    assert list(plan.points) == list(study.rocks)
+    assert plan.within
+    assert plan.stated != plan.ladder[-1]  # something finer is compared
+
+
+def test_a_larger_share_closes_more():
+    few, many = (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.5))
+    assert few.seconds < many.seconds <= 0.5 * many.study_seconds
+    assert set(few.ladder) < set(many.ladder)
+
+
+def test_no_more_joints_are_closed_than_stated():
+    assert planned(study_of({"assessment": {"share": 0.99, "joints": 3}})).joints == 3
+
+
+def test_no_more_joints_are_closed_than_the_study_has():
+    changes = {"study": {"realizations": 2, "pool": 1000}, "assessment": {"share": 0.99}}
+    assert planned(study_of(changes)).joints == 2
+
+
+def test_null_closes_none():
+    assert planned(study_of({"assessment": None})) is None
+
+
+def test_few_joints_of_a_long_study_are_not_assessed_beyond_the_share():
+    plan = planned(study_of(SMALL, {"grid": {"cells_x": 600, "cells_y": 600}}))
+    assert plan.points == {}
+    assert plan.seconds > max(LEAST_SECONDS, plan.share * plan.study_seconds)
+
+
+def test_few_joints_of_a_short_study_are_assessed_beyond_the_share():
+    plan = planned(study_of(SMALL))
+    assert not plan.within
+    assert list(plan.points) == ["slate"]
+
+
+def test_the_joints_are_the_first_ones_of_the_base_case_of_the_study():
+    study = study_of()
+    for rock, points in planned(study).points.items():
+        base = base_case(study, rock)
+        own = seeds_of(block_settings(study, base, range(FEWEST)))
+        for point in points:
+            settings = point.settings
+            assert seeds_of(settings) == own
+            assert settings.conditions.rock == base.conditions.rock
+            assert settings.conditions != base.conditions  # which the study has closed
+
+
+def test_joints_are_closed_again_where_the_study_closes_others():
+    """Effects that are chosen later, and flow, whose time does not count."""
+    for changes in ({"effects": {"auto": 0.02}}, {"flow": True}):
+        plan = planned(study_of(changes))
+        for points in plan.points.values():
+            assert plan.stated in {point.coordinates["variant"] for point in points}
+            assert not any(point.settings.conditions.flow for point in points)
+
+
+def test_a_study_in_which_nothing_breaks_compares_effects_only():
+    elastic = {"breakage": False, "gouge": False}
+    plan = planned(study_of({"effects": elastic}))
+    names = {point.coordinates["variant"] for points in plan.points.values() for point in points}
+    assert len(plan.ladder) == 1
+    assert names == {
+        "without interaction",
+        "without substrate and interaction",
+        "without soft peaks",
+    }
+
+
+def test_the_dataset_does_not_depend_on_the_assessment():
+    keys = [closed_keys(study_of(one).stated) for one in ({}, {"assessment": None})]
+    assert keys[0] == keys[1]
+
+
+def test_an_effect_without_which_a_joint_takes_long_is_compared_where_the_share_allows_all(
+    monkeypatch,
+):
+    monkeypatch.setattr(expected_cost, "NO_GOUGE_COST", 2.0 * COSTLY)
+    few, many = (
+        {point.coordinates["variant"] for points in plan.points.values() for point in points}
+        for plan in (planned(study_of({"assessment": {"share": share}})) for share in (0.02, 0.1))
+    )
+    assert many - few >= {"without gouge"}

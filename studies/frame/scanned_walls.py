@@ -1,0 +1,320 @@
+"""Scanned walls of a rock, interpolated on the joint's grid and cut into the joints of a study."""
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.remarks import cautions
+from jointclosure.parameters import AS_IT_IS
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.walls.gridding import FLAT, Cloud, Scan, wall_on_grid
+from jointclosure.walls.jrc import jrc_of_z2, rms_slope
+from jointclosure.walls.levelling import levelled_together
+from jointclosure.walls.missing_heights import fill_missing
+from jointclosure.walls.planes import detrended
+from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts
+from jointclosure.walls.registration import registered
+from jointclosure.walls.scan_defects import inspected_together
+from jointclosure.walls.scan_quality import resolution_remarks
+from jointclosure.walls.scans import read_scan
+from jointclosure.walls.synthesis import Spectrum, synthetic_wall
+from jointclosure.walls.wall_roughness import hurst_of
+from studies.frame.keys import Grid
+from studies.frame.rocks import ScannedWalls, wall_files
+from studies.frame.settings import SIDES, ClosureSettings, SurfaceSettings, seeds_of
+
+REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
+"""Keys of scanned walls that are arguments of `registered`."""
+
+
+def walls_of_files(
+    walls: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
+) -> xr.Dataset:
+    """Read the scans of a rock, and put them on a grid of ``spacing`` [m]; see `prepared_walls`."""
+    stated: dict[str, Any] = {"units": walls.units, "variable": walls.variable}
+    scans = {
+        side: read_scan(file, scan_spacing=walls.spacing, **stated)
+        for side, file in wall_files(walls).items()
+    }
+    return prepared_walls(scans, walls, spacing, jrc_relation, unusual_values)
+
+
+def prepared_walls(
+    scans: dict[str, Scan | Cloud],
+    settings: ScannedWalls,
+    spacing: float,
+    jrc_relation: str,
+    unusual_values: bool = False,
+) -> xr.Dataset:
+    """Put scans ("upper", "lower" or both) on a grid of some spacing [m], as heights (y, x) [m].
+
+    Walls are brought together (`registered`) or levelled as they lie, by ``settings``. Each has its
+    roughness, Hurst exponent, equivalent JRC and remarks as attributes; the dataset has the partner
+    of a single wall, warnings and the report of the registration.
+
+    Raises
+    ------
+    InputError
+        If a scan cannot be put on the grid, if the scans do not cover the same cells, or if heights
+        are implausible and not ``unusual_values``.
+    """
+    walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
+    warnings: list[str] = []
+    files = f"{settings.upper} and {settings.lower}"
+    bounds = None
+    measured = scans
+    if settings.bring_together:
+        if len(scans) < 2:
+            raise InputError(
+                f"{files}: bring_together must be false in a study where one wall is flat"
+            )
+        stated: dict[str, Any] = {name: getattr(settings, name) for name in REGISTRATION} | scans
+        with naming(files):
+            pair = registered(spacing=spacing, unusual_values=unusual_values, **stated)
+        heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
+        walls.attrs["registration"] = "; ".join(pair.report)
+        warnings += cautions(pair.report)
+    else:
+        if not unusual_values:
+            with naming(files):
+                scans = inspected_together(scans)
+        measured = scans
+        with naming(files):
+            scans = levelled_together(scans)
+        bounds = _common_bounds(scans)
+        heights = _as_they_lie(scans, bounds, settings, spacing)
+        lying = {side: wall for side, (wall, _) in heights.items()}
+        if not unusual_values:
+            both = len(lying) == 2
+            problems = doubts(**lying, spacing=spacing) if both else slope_doubts(lying, spacing)
+            if problems := problems or unit_doubts(lying, spacing)[0]:
+                raise InputError(f"{files}: {'; '.join(problems)}; {AS_IT_IS}")
+    for side, (wall, share) in heights.items():
+        # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
+        z2 = _slope(wall, spacing)
+        hurst = float(np.clip(hurst_of(wall), 0.05, 1.0))
+        about = {
+            "units": "m",
+            "long_name": f"measured height of the {side} wall towards the other",
+            "missing_share": share,
+            "z2": z2,
+            "hurst": hurst,
+            "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
+            "jrc_relation": jrc_relation,
+        }
+        remarks = scans[side].remarks
+        if not settings.bring_together:  # else in the registration's report
+            low = None if bounds is None else bounds[0]
+            remarks += smoothing_of(scans[side], wall, spacing, low)
+            remarks += tuple(resolution_remarks(measured[side], wall, spacing, scans[side]))
+            warnings += [f"{side} wall: {remark}" for remark in cautions(remarks)]
+        if remarks:  # what reading left out is stored with the results
+            about["remarks"] = "; ".join(remarks)
+        walls[side] = (("y", "x"), wall, about)
+    for missing in {*SIDES} - set(scans):
+        walls.attrs["partner"] = getattr(settings, missing)
+    walls.attrs["warnings"] = "\n".join(warnings)
+    return walls
+
+
+def _as_they_lie(
+    scans: dict[str, Scan | Cloud],
+    bounds: np.ndarray | None,
+    settings: ScannedWalls,
+    spacing: float,
+) -> dict[str, tuple[np.ndarray, float]]:
+    """Return heights (towards the other wall) and share of missing cells of unregistered walls."""
+    heights: dict[str, tuple[np.ndarray, float]] = {}
+    for side, scan in scans.items():
+        try:
+            wall = wall_on_grid(scan, spacing, bounds)
+            share = float(np.mean(~np.isfinite(wall)))
+            wall = fill_missing(wall, settings.missing, settings.largest_filled_share)
+        except InputError as error:
+            reasons = [str(error), *cautions(scan.remarks)]
+            raise InputError(f"{getattr(settings, side)}: {'; '.join(reasons)}") from None
+        heights[side] = ((-1.0 if side in settings.inverted else 1.0) * wall, share)
+    sizes = [wall.shape for wall, _ in heights.values()]
+    if len(set(sizes)) > 1:
+        raise InputError(
+            f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
+            "(y, x) at the spacing of the grid; both scans must cover the same cells (use "
+            "bring_together: true to find the area that both cover)"
+        )
+    return heights
+
+
+def _slope(wall: np.ndarray, spacing: float) -> float:
+    """Return the RMS slope of a wall, which may have missing cells."""
+    if np.isfinite(wall).all():
+        return rms_slope(wall, spacing)
+    steps = np.concatenate([np.diff(wall, axis=axis).ravel() for axis in (0, 1)])
+    return float(np.sqrt(np.nanmean(steps**2))) / spacing
+
+
+def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
+    """Return the ends (2, xy) of the rectangle common to two point clouds; None for other scans."""
+    clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
+    if len(clouds) < 2:
+        return None
+    low = np.max([points.min(axis=0) for points in clouds], axis=0)
+    high = np.min([points.max(axis=0) for points in clouds], axis=0)
+    if not (high > low).all():
+        raise InputError("upper and lower: the scans' points do not overlap in x and y")
+    return np.array([low, high])
+
+
+def prepare_walls(
+    walls: ScannedWalls,
+    digests: dict[str, str],
+    grid: Grid,
+    jrc_relation: str,
+    unusual_values: bool,
+    realizations: int,
+    log: Callable[[str], None],
+    show: Callable[[str], None],
+) -> xr.Dataset:
+    """Read the scanned walls of a rock, put them on the grid, and check that there is room.
+
+    There must be room for ``realizations`` joints, else `InputError` is raised. Warnings of the
+    scans are passed to ``show`` and stored with the walls; ``log`` takes all details. ``digests``
+    are those of `wall_digests`.
+    """
+    prepared = walls_of_files(walls, grid.spacing, jrc_relation, unusual_values)
+    log(prepared.attrs.get("registration", "as they lie"))
+    for warning in prepared.attrs["warnings"].splitlines():
+        show(f"{walls.lower}, {walls.upper}: {warning}")
+    for side, file in wall_files(walls).items():
+        prepared[side].attrs |= {"file": file, "sha256": digests[side]}
+        log(f"{side}: {prepared[side].attrs}")
+    cutter = Cutter(prepared, grid.shape, 0)  # the check is the same whatever the order
+    prepared.attrs |= cutter.room()
+    log(str(cutter.room()))
+    cutter.check(realizations)
+    return prepared
+
+
+def described(walls: dict[str, xr.Dataset]) -> str:
+    """Return files, digests and roughness of the scanned walls of each rock as JSON."""
+    about = {
+        rock: dict(dataset.attrs) | {str(k): dict(v.attrs) for k, v in dataset.data_vars.items()}
+        for rock, dataset in walls.items()
+    }
+    return json.dumps(about, default=np.generic.item, sort_keys=True)
+
+
+class Cutter:
+    """Cutter of joints of a ``shape`` (ny, nx) from the walls of `prepared_walls`.
+
+    Realisation r has window r of an order that ``order_seed`` shuffles, so that added realisations
+    do not change the others. ``normalise`` is that of `synthetic_wall`, for a synthetic partner.
+    """
+
+    def __init__(
+        self, walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
+    ):
+        self.shape = shape
+        self.normalise = normalise
+        self.partner = walls.attrs["partner"]
+        self.walls = {str(name): wall.values for name, wall in walls.data_vars.items()}
+        about = next(iter(walls.data_vars.values())).attrs
+        self.drawn = float(about["z2"]), float(walls.attrs["spacing_m"]), float(about["hurst"])
+        self.windows = windows(np.sum(list(self.walls.values()), axis=0), shape)
+        self.orders = {
+            side: generator(seed_of(order_seed, "windows", side)).permutation(len(self.windows))
+            for side in ("measured", "partner")
+        }
+
+    def check(self, realizations: int) -> None:
+        """Raise `InputError` if windows are too few, unless the other wall is synthetic."""
+        count = len(self.windows)
+        if realizations > count and self.partner != "synthetic":
+            raise InputError(
+                f"study.realizations = {realizations}: must be at most {count}, the number of "
+                f"different joints of {self.shape[0]} x {self.shape[1]} cells that the walls "
+                "contain; or use a smaller grid, or synthetic for the other wall"
+            )
+
+    def joint(self, realization: int, seed: int) -> dict[str, np.ndarray]:
+        """Return the walls of a realisation by side, detrended; ``seed`` is of a synthetic one."""
+        origin = self.origin("measured", realization)
+        cut = {side: self._cut(wall, origin) for side, wall in self.walls.items()}
+        for other in {*SIDES} - set(self.walls):
+            if self.partner == "synthetic":
+                # the name of the random numbers is a former term: another would change the walls
+                random = generator(seed_of(seed, "matching"))
+                z2, spacing, hurst = self.drawn
+                drawn = z2, self.shape, spacing, Spectrum(hurst), random, self.normalise
+                cut[other] = synthetic_wall(*drawn)
+            elif self.partner == FLAT:
+                cut[other] = np.zeros(self.shape)
+            else:
+                (wall,) = self.walls.values()
+                same = self._cut(wall, self.origin("partner", realization))
+                turned = same[::-1, ::-1] if self.partner == "rotated" else same[:, ::-1]
+                cut[other] = np.ascontiguousarray(turned)
+        return cut
+
+    def origin(self, side: str, realization: int) -> tuple[int, int]:
+        """Return the cell (y, x) of the scan where the "measured" wall or its "partner" begins."""
+        order = self.orders[side]
+        y, x = self.windows[order[realization % len(order)]].tolist()
+        return y, x
+
+    def room(self) -> dict[str, int]:
+        """Count the windows, and those that share no cell.
+
+        Windows of the latter kind are selected row by row: each that overlaps none before it.
+        """
+        count = 0
+        left = self.windows
+        while len(left):
+            left = left[(np.abs(left - left[0]) >= self.shape).any(axis=1)]
+            count += 1
+        return {"windows": len(self.windows), "windows_side_by_side": count}
+
+    def _cut(self, wall: np.ndarray, origin: tuple[int, int]) -> np.ndarray:
+        y, x = origin
+        ny, nx = self.shape
+        return detrended(wall[y : y + ny, x : x + nx])
+
+
+def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return the first cells (k, yx) of all windows of a shape without missing cells, row by row.
+
+    Raises
+    ------
+    InputError
+        If there is no such window.
+    """
+    offsets = _full_windows(wall, *shape)
+    if not len(offsets):
+        size = min(wall.shape)
+        while size > 0 and not len(_full_windows(wall, size, size)):
+            size -= 1
+        raise InputError(
+            f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
+            f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
+        )
+    return offsets
+
+
+def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
+    if wall.shape[0] < ny or wall.shape[1] < nx:
+        return np.empty((0, 2), int)
+    holes = np.pad(np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1), ((1, 0), (1, 0)))
+    inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
+    return np.argwhere(inside == 0)
+
+
+def cut_walls(walls: xr.Dataset, settings: ClosureSettings | SurfaceSettings) -> Iterator[tuple]:
+    """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
+    order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
+    cutter = Cutter(walls, settings.grid.shape, order, settings.surface.normalise)
+    for realization, seed in enumerate(seeds_of(settings), start=settings.first_realization):
+        joint = cutter.joint(realization, seed)
+        yield joint["upper"], joint["lower"]

@@ -1,0 +1,122 @@
+"""Content of the page of a study: first screen, headline, settings and columns."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.storage.files import read_csv
+from studies.frame.configuration import merged, model, resolved
+from studies.frame.keys import json_schema
+from studies.frame.yaml_files import PAPER_TABLE_3, provenance
+from studies.paper.closure_tables import max_closure_table
+from studies.paper.report import content as report
+from studies.paper.report.page import sheet
+from studies.paper.tables_1_to_3 import (
+    closure_lines,
+)
+from studies.paper.test_required_checks import COLUMNS, FAILED, PASSED
+from tests.studied import DEFAULT, keys_of
+from tests.world import world
+
+KEYS = keys_of(
+    {"study": {"name": "made_up", "rocks": ["slate", "granite"], "realizations": 8}},
+    {"rocks": {"granite": merged(DEFAULT["rocks"]["slate"], {"title": "Granite", "jrc": 9})}},
+)
+
+
+def test_the_first_screen_has_the_numbers_of_the_tables():
+    """In every case one joint failed."""
+    study = world(resolved(KEYS))
+    study.status[:, 3] = 16
+    study = study.assign(stiffness_net=1e6 / study.max_closure)
+    study = study.assign_coords(scene=("case", ["all"] * study.sizes["case"]))
+    study.attrs = {"references": "the paper"} | provenance(KEYS)
+    checks = pd.DataFrame([PASSED, FAILED], columns=COLUMNS)
+    tables = {"max_closure": max_closure_table(study), "checks": checks}
+    paper = read_csv(PAPER_TABLE_3)
+    schema = json_schema(model())
+    shown = report.content(report.Material(study, tables, paper, DEFAULT, schema, {}))
+    row = shown["frames"]["in_short"].iloc[0]
+    base = tables["max_closure"].query("parameter == 'base' and rock == 'slate'").set_index("cycle")
+    assert row["Net closure since seating, cycle 2 (mm)"] == base.max_closure_seated_net_mean_mm[2]
+    stays = base.residual_closure_seated_net_mean_mm[1] / base.max_closure_seated_net_mean_mm[1]
+    assert row[report.STAYS] == pytest.approx(100.0 * stays)
+    case = study.sel(case="slate-base", cycle=1)
+    compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
+    assert row["Net chord stiffness, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
+    # the headline: means of both rocks, each with half of its 95 % interval by 7 joints
+    closes = report.CLOSES.format(cycle=2)
+    error = base.max_closure_seated_net_mean_mm_standard_error[2]
+    assert row[f"{closes}_half_width"] == pytest.approx(2.447 * error, rel=1e-3)  # Student's t
+    assert shown["ranges"]["joints"] == "7"
+    low, high = (rounded(*one) for one in ends_of(shown["frames"]["in_short"], closes))
+    assert shown["ranges"][closes] == f"{low} to {high}"
+    assert " ± " in shown["ranges"][report.STAYS]
+    assert shown["bias"].endswith("the study was not assessed; make report does so.")
+
+
+def ends_of(frame, column):
+    """Return the smallest and the largest number of a column, with their half-widths."""
+    columns = frame[[column, f"{column}_half_width"]].sort_values(column)
+    return columns.to_numpy()[[0, -1]].tolist()
+
+
+def test_a_number_of_the_headline_without_an_error_is_only_rounded():
+    """As of one joint."""
+    numbers = pd.DataFrame({"Joints (n)": [1], "a": [0.12345], "a_half_width": [np.nan]})
+    ranges = report.ranges_over_rocks(numbers, resolved(KEYS))
+    assert (ranges["a"], ranges["joints"]) == ("0.12", "1")
+
+
+def test_the_last_lines_of_a_run_have_half_of_the_95_percent_interval():
+    name = "max_closure_seated_net_mean_mm"
+    row = {"rock": "slate", "parameter": "base", "cycle": 1, "samples": 2}
+    lines = closure_lines(pd.DataFrame([row | {name: 0.5, f"{name}_standard_error": 0.01}]))
+    assert lines == [
+        "slate: mean net closure since seating 0.50 ± 0.13 mm on cycle 1 "
+        "(± half of the 95 % interval, 2 joints)"
+    ]
+
+
+def test_settings_that_differ_from_the_papers_are_found():
+    schema = json_schema(model())
+    assert report.departures(report.setting_rows(DEFAULT, DEFAULT, schema)) == []
+    rows = report.setting_rows(KEYS, DEFAULT, schema)
+    found = report.departures(rows)
+    assert {"study.realizations", "rocks.granite.jrc"} <= set(found)
+    assert not any(key.startswith("rocks.slate") for key in found)
+    assert not any(key.startswith("rocks.dolerite") for key in rows.key)  # not in the study
+    assert rows.meaning.str.len().min() > 5  # every key is explained
+
+
+@pytest.mark.parametrize(
+    ("of_slate", "of_dolerite", "error", "samples", "verdict"),
+    [
+        (-1.0, -1.1, 0.02, 60, "stands"),
+        (-1.0, -1.1, 0.2, 4, "undecided"),
+        (-1.0, -1.0, 0.101, 600, "undecided"),  # beyond the tolerance alone, but not in both rocks
+        (-1.0, -1.0, 0.090, 600, "stands"),
+        (-1.0, -0.65, 0.005, 60, "no difference"),
+        (-1.0, -0.2, 0.02, 60, "falls"),
+    ],
+)
+def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error, samples, verdict):
+    table = pd.DataFrame({
+        "rock": ["slate", "slate", "dolerite", "dolerite"],
+        "parameter": 2 * ["youngs_modulus", "compressive_strength"],
+        "elasticity": [of_slate, 0.6, of_dolerite, 0.6], "elasticity_standard_error": error,
+        "cycle": 2, "samples": samples,
+    })  # fmt: skip
+    assert report.most_sensitive(table, "youngs_modulus") == verdict
+    about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
+    assert report.headline(table) == about
+
+
+def test_a_page_has_columns_of_adjusted_numbers_only_where_something_is_adjusted():
+    names = "rock mean_mm adjusted_mean_mm"
+    table = pd.DataFrame({"rock": ["slate"], "mean_mm": [0.2], "adjusted_mean_mm": [np.nan]})
+    assert sheet(table, names).titles == ["Rock", "Mean mm"]
+    assert sheet(table.assign(adjusted_mean_mm=0.21), names).titles[2:] == ["Adjusted mean mm"]
+    # other numbers that are not known keep their column
+    assert sheet(table.assign(mean_mm=np.nan), names).titles == ["Rock", "Mean mm"]
