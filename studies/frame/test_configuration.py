@@ -76,7 +76,7 @@ import jointclosure as jc
 from jointclosure.cli.options import UNITS
 from jointclosure.joint.rocks import named_rock
 from studies.frame.cases import cases_of
-from studies.paper.tables_1_to_3 import heading_of, rock_table
+from studies.paper.tables_1_to_3 import property_heading, rock_table
 from studies.verification.hard_case_keys import RockKeys
 from tests.studied import study_of
 
@@ -86,7 +86,7 @@ study = study_of({"study": {"rocks": ["slate", "dolerite"]}, "rocks": {"slate": 
 assert study.rocks["slate"].levels["grain_size"] == (0.2e-3, 0.5e-3, 2e-3)
 assert study.rocks["dolerite"].intact.grain_size == 1e-3
 assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2e-3, 2e-3]
-assert heading_of("grain_size") == "Grain size d (mm)"
+assert property_heading("grain_size") == "Grain size d (mm)"
 assert (UNITS["grain_size"], "grain_size" in RockKeys.model_fields) == ("mm", True)
 assert "grain_size_mm" in rock_table(study.rocks)
 try:

@@ -65,8 +65,8 @@ def test_every_public_name_is_what_its_module_defines():
     assert jc.__all__ == sorted(modules)
     for name, module in modules.items():
         public = getattr(jc, name)
-        if module is None:
-            assert public.__name__ == f"jointclosure.{name}"
+        if inspect.ismodule(public):
+            assert public.__name__ == f"jointclosure.{module}.{name}"
         else:
             assert public.__module__ == f"jointclosure.{module}"
     assert dir(jc) == sorted([*jc.__all__, "__version__"])
