@@ -32,7 +32,7 @@ from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, wall_on_grid
-from jointclosure.walls.missing_heights import filled
+from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
@@ -74,11 +74,11 @@ def _filled(how: str) -> Damage:
     def damage(wall: np.ndarray, random: np.random.Generator) -> np.ndarray:
         hole = _hole(wall, random)
         if how == "membrane":
-            result = filled(np.where(hole, np.nan, wall), "nearest", 1.0)
+            result = fill_missing(np.where(hole, np.nan, wall), "nearest", 1.0)
             for _ in range(400):
                 result = np.where(hole, scipy.ndimage.uniform_filter(result, 3), result)
             return result
-        return filled(np.where(hole, np.nan, wall), how, 1.0)
+        return fill_missing(np.where(hole, np.nan, wall), how, 1.0)
 
     return damage
 

@@ -25,8 +25,8 @@ else:
 NO_PRCTL = "ctypes.CDLL = lambda name: None  # as on other systems than Linux"
 POOL = """
 import time
-from jointclosure.execution.workers import shared
-list(shared(time.sleep, [(600,), (600,)], workers=2))
+from jointclosure.execution.workers import in_processes
+list(in_processes(time.sleep, [(600,), (600,)], workers=2))
 """
 
 

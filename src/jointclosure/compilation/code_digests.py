@@ -41,7 +41,7 @@ def code_digest(*names: str, titles: bool = True) -> str:
 
     Names are those of modules below the package ("solvers.fast"), full names of modules of studies,
     paths of scripts (ending in .py), or functions of modules
-    ("studies.paper.products:judge_claims"), of which only what the function uses counts. Without
+    ("studies.paper.judged_claims:judge_claims"), of which only what the function uses counts. Without
     ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, as reading the
     syntax takes most of the time of a start.
     """
