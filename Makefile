@@ -86,6 +86,7 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { printf '%s lacks venv: apt-get install python3-venv\n' "$$PYTHON"; exit 1; }
 	@"$$PYTHON" -c 'import os, sys; sys.exit("the name of this folder has a line break: no Python finds a package there" if "\n" in os.getcwd() else 0)'
 	@if [ -L $(VENV) ]; then printf '$(VENV) is a link, and set-up would empty what it leads to: remove the link\n'; exit 1; fi
+	@echo "Installing the packages of the environment in $(VENV) (two minutes) ..."
 	@$(WITH_MAKE) "$$PYTHON" -m venv --clear $(VENV)
 	@$(WITH_MAKE) /bin/sh -c 'if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
 	    $(BIN)/uv pip sync --quiet --require-hashes --compile-bytecode --python $(BIN)/python requirements.lock \

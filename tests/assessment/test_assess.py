@@ -79,7 +79,9 @@ def test_a_request_below_the_scatter_of_copies_is_said_to_be_impossible():
     )
     assert of_joint(0.05, apart=0.05).startswith(words)
     assert of_joint(0.05, apart=0.05).endswith("order of breakage) and its error is 1.6 %")
-    assert of_joint(0.08, apart=0.05).startswith("middle is within 1.6 % of the finest, its copies")
+    assert of_joint(0.08, apart=0.05).startswith(
+        "net and gross closures by middle are within 1.6 % of the finest, those of its copies"
+    )
 
 
 def test_a_scatter_of_gross_closure_alone_makes_a_request_impossible():
@@ -97,14 +99,15 @@ def test_the_least_that_can_be_had_may_be_that_of_the_finest_setting():
 
 def test_an_error_of_the_finest_setting_is_not_claimed():
     said = of_joint(0.001)
-    assert said.startswith("no cheaper setting is within 0.1 % of the finest; fine, the finest")
-    assert said.endswith("its copies scatter by 0 %; its error is not known")
+    words = "closures by no cheaper setting are within 0.1 % of the finest; fine, the finest"
+    assert said.startswith(words)
+    assert said.endswith("its copies scatter by up to 0 %; its error is not known")
 
 
 def test_the_setting_of_a_budget_is_given_with_the_scatter_of_its_copies():
-    assert "middle is within 1.6 % of the finest, its copies scatter by 7.1 %" in of_joint(
-        0.001, apart=0.05, budget=5.0
-    )
+    said = of_joint(0.001, apart=0.05, budget=5.0)
+    assert "by middle are within 1.6 % of the finest" in said
+    assert "of its copies scatter by up to 7.1 %" in said
 
 
 def test_no_error_is_stated_if_the_finest_setting_failed():
@@ -117,6 +120,11 @@ def test_no_error_is_stated_if_the_finest_setting_failed():
 def test_the_observed_order_is_the_one_that_was_put_in():
     sharp = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
     assert "(observed order 0.85)" in sharp.sentences[0]  # ln(0.08 / 1.02 / 0.02) / ln 5
+
+
+def test_changes_that_grow_have_no_observed_order():
+    grown = Assessment(closures(scatter=1e-4, coarse=0.03), LADDER, "middle", 0.05)
+    assert "(the change before, with coarse, was not larger)" in grown.sentences[0]
 
 
 @pytest.mark.parametrize(

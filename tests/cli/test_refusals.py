@@ -54,6 +54,15 @@ def nothing_is_computed(monkeypatch, inputs):
         (["simulate", "--rock", "slate", "--snapshots", 1], "--snapshots: needs --output FILE.nc"),
         (["simulate", "--rock", "slate", "--rule", "x"], "--rule: invalid choice: 'x' (choose"),
         (["simulate", "--without", "gravity"], "(see jointclosure simulate --help)"),
+        (
+            ["simulate", "--rock", "slate", "--stress", 2, "--zzz"],
+            "unrecognized arguments: --zzz (see jointclosure simulate --help)",
+        ),
+        (["simulate", "--rock", "slate", "--strss", 2], "--strss 2; is --stress meant? (see"),
+        (
+            ["simulate", *GRANITE, "--jrc", 8, "--stress", 1, "--youngs-modulus", 52000],
+            "(52000 GPa): not usual of rock",
+        ),
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
         (["validate", "none.csv", *FIT[1:], "--cells", 12], "none.csv: file not found"),

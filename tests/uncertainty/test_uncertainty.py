@@ -427,6 +427,31 @@ def test_a_band_contains_the_curve_of_the_joint():
     np.testing.assert_allclose(bands[f"{name}_high"], [0.0, 1.0, 2.0], atol=1e-12)
 
 
+def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
+    """A variant that was not simulated counts as a factor, here of 1e3, which no joint reaches."""
+    sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    names = ["", "spacing", *[ALL] * DRAWS]
+    place = {"cycle": 1, "branch": "loading", "flow_status": "flows", "source": names}
+    twice = np.array(names) == "spacing"
+    curves = pd.concat(
+        pd.DataFrame(place)
+        .assign(normal_stress_MPa=stress, hydraulic_aperture_mm=np.where(twice, 1e-5, 1e-2))
+        .assign(smallest_hydraulic_mm=np.where(twice, 5e-3, 8e-3), largest_hydraulic_mm=0.02)
+        for stress in (1.0, 2.0)
+    )
+    bands = bands_of(curves, sources, shares, further).iloc[0]
+    assert (
+        bands.hydraulic_aperture_mm_low_with_choices == bands.smallest_hydraulic_mm_low_with_choices
+    )
+    assert (
+        bands.hydraulic_aperture_mm_high_with_choices
+        == bands.largest_hydraulic_mm_high_with_choices
+    )
+    largest = bands.largest_transmissivity_m2_per_s_high_with_choices
+    assert bands.transmissivity_m2_per_s_high_with_choices == largest
+
+
 def test_a_monotone_curve_leads_through_the_middles_of_equal_values():
     at, values = np.arange(7.0), np.array([0.0, 2.0, 4.0, 3.0, 2.0, 5.0, 6.0])
     np.testing.assert_array_equal(monotone_curve(at, np.sort(values), True), np.sort(values))
@@ -848,7 +873,7 @@ def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
         numerical = numerical_errors_of(table, 0.0)
         budget = Budget(table, pd.DataFrame(), (), numerical=numerical)
         lines = budget._numerical_error(CLOSURE_NET)
-        assert "numerical error at most" in lines[0]
+        assert "limit of the numerical error" in lines[0]
         assert any("is not stable" in line for line in lines) == unstable
 
 

@@ -73,6 +73,23 @@ def test_units_are_those_of_each_scan(walls, tmp_path):
         registered_walls(*files, {"units": ("m", "m", "m")})
 
 
+@pytest.mark.parametrize(
+    ("names", "warned"),
+    [
+        (("lower.npy", "upper.npy"), True),
+        (("upper.npy", "lower.npy"), False),
+        (("lower_a.npy", "b.npy"), False),
+    ],
+)
+def test_files_whose_names_say_the_other_order_are_warned_of(walls, tmp_path, names, warned):
+    files = [tmp_path / name for name in names]
+    for file, wall in zip(files, (0.6e-3 - walls[0], walls[1]), strict=True):
+        np.save(file, wall)
+    stated = {"units": "m", "scan_spacing": SPACING}
+    found = registered_walls(*files, stated, orientation="common_frame")
+    assert any("is taken as the upper wall" in one for one in found.warnings) == warned
+
+
 def test_many_cells_need_a_stated_spacing(walls, monkeypatch):
     check_cells((1000, 1000), SPACING, stated=False)
     check_cells((1001, 1000), SPACING, stated=True)

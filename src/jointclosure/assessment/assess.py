@@ -244,7 +244,7 @@ class Assessment:
             reason = f"the independent implementation finds {found}"
         elif features["spread"] > NOT_STABLE:
             reason = (
-                f"copies that should be equal scatter by {percent(features['spread'])} (not "
+                f"net closures of equal copies scatter by {percent(features['spread'])} (not "
                 f"stable: more than {100 * NOT_STABLE:.0f} %)"
             )
         else:
@@ -252,7 +252,7 @@ class Assessment:
             verdict = "easy" if easy else "hard"
             spreads = (f"{percent(x)} on cycle {n}" for n, x in spread_of(copies).items())
             reason = (
-                f"copies that should be equal scatter by {', '.join(spreads)} (easy: "
+                f"net closures of equal copies scatter by {', '.join(spreads)} (easy: "
                 f"{50 * self.within:.2g} %), {percent(share)} of its force is on contacts that "
                 f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), and the largest "
                 f"jump is {percent(features['largest_jump'])} of its closure"
@@ -277,7 +277,11 @@ class Assessment:
             }[last.within(self.within)]
             if coarse.within(0.0) is False and last.within(0.0) is False:
                 order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
-                limit += f" (observed order {order:.2g})"
+                limit += (
+                    f" (observed order {order:.2g})"
+                    if order > 0.0
+                    else f" (the change before, with {ladder[-3]}, was not larger)"
+                )
             lines.append(
                 f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
                 f"{percent_of(last)} %: {limit}"
@@ -317,13 +321,15 @@ class Assessment:
             )
         if not allowed:
             return (
-                f"no cheaper setting is within {100 * self.within:g} % of the finest; {takes}, and "
-                f"its copies scatter by {percent(scatter[finest])}; its error is not known"
+                f"closures by no cheaper setting are within {100 * self.within:g} % of the finest; "
+                f"{takes}, and net and gross closures of its copies scatter by up to "
+                f"{percent(scatter[finest])}; its error is not known"
             )
         name = min(allowed, key=lambda name: seconds[name] if budget is None else reached[name])
         return (
-            f"{name} is within {percent(errors[name])} of the finest, its copies scatter by "
-            f"{percent(scatter[name])}, and it takes {seconds[name]:.2g} s; {takes}"
+            f"net and gross closures by {name} are within {percent(errors[name])} of the finest, "
+            f"those of its copies scatter by up to {percent(scatter[name])}, and it takes "
+            f"{seconds[name]:.2g} s; {takes}"
         )
 
     @property

@@ -1,8 +1,10 @@
 """Command line `jointclosure`; each command is a module of this package."""
 
 import argparse
+import difflib
 import importlib
 import io
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
@@ -38,7 +40,7 @@ def parser(
             command.formatter_class = argparse.RawDescriptionHelpFormatter
             command.description = text
             command.epilog = examples and f"examples:\n{examples}"
-            command.set_defaults(run=module.run)
+            command.set_defaults(run=module.run, command=command)
             module.declare(command)
     return program
 
@@ -46,7 +48,14 @@ def parser(
 def main(words: Sequence[str] | None = None, **commands: Any) -> int:
     """Run a command of `parser`; report errors of its input in one line on standard error."""
     words = sys.argv[1:] if words is None else words
-    arguments = parser(words, **commands).parse_args(words)
+    arguments, unknown = parser(words, **commands).parse_known_args(words)
+    if unknown:
+        options = re.findall(r"--[\w-]+", arguments.command.format_usage())
+        alike = difflib.get_close_matches(unknown[0], options, 1)
+        arguments.command.error(
+            f"unrecognized arguments: {' '.join(unknown)}"
+            + (f"; is {alike[0]} meant?" if alike else "")
+        )
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # write logs line by line
     try:

@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")
     ny, nx = wall.shape
-    gaps = _gaps(wall)
+    gaps = _words_on_missing(wall)
     size = f"{nx} x {ny} cells (x, y) of {1e3 * step:.4g} mm{gaps}; mean plane removed"
     _show(measures, size, remarks, arguments)
     if arguments.picture:
@@ -101,7 +101,7 @@ def _run_profile(arguments: argparse.Namespace) -> int:
     with naming(str(arguments.file)):
         heights, step, inclination = levelled_profile(profile)
         measures = measure_profile(heights, step)
-    gaps = _gaps(heights)
+    gaps = _words_on_missing(heights)
     size = f"{heights.size} places {1e3 * step:.4g} mm apart{gaps}; mean line removed"
     size += f", which is inclined by {inclination:.3g} degrees"
     _show(measures, size, [*profile.remarks, *_smooth(measures)], arguments)
@@ -123,8 +123,8 @@ def _smooth(measures: Sequence[Measure]) -> list[str]:
     return [caution(about)]
 
 
-def _gaps(heights: np.ndarray) -> str:
-    """Describe how many heights are missing, if any."""
+def _words_on_missing(heights: np.ndarray) -> str:
+    """Return the words on missing heights behind the size of a wall, none if all are there."""
     missing = int(np.isnan(heights).sum())
     return f", {missing} of them without a height" if missing else ""
 

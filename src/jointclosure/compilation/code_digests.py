@@ -41,9 +41,9 @@ def code_digest(*names: str, titles: bool = True) -> str:
 
     Names are those of modules below the package ("solvers.fast"), full names of modules of studies,
     paths of scripts (ending in .py), or functions of modules
-    ("studies.paper.judged_claims:judge_claims"), of which only what the function uses counts. Without
-    ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, as reading the
-    syntax takes most of the time of a start.
+    ("studies.paper.judged_claims:judge_claims"), of which only what the function uses counts.
+    Without ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, as
+    reading the syntax takes most of the time of a start.
     """
     scripts = [Path(name).read_bytes() for name in names if name.endswith(".py")]
     files = [name.rpartition("/")[2] for name in names]

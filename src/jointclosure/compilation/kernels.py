@@ -89,12 +89,16 @@ class _Folder(_CacheLocator):
 
 
 class _InFolder(CompileResultCacheImpl):
-    """Cache files named by the function alone, because a comment above it changes only its line."""
+    """Writer of Numba's cache files, which do not depend on the place of a function in its source.
+
+    A file has the name of its function without the line, which a comment above it would change. The
+    annotated source, which has paths of this machine, is left out.
+    """
 
     _locator_classes = (_Folder,)  # type: ignore[assignment]
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
-        """Leave out the annotated source, which has paths of this machine."""
+        """Return the parts of a compiled function without its annotated source."""
         parts = super().reduce(result)  # type: ignore[no-untyped-call]
         return tuple("" if isinstance(part, str) else part for part in parts)
 

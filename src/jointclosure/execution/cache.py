@@ -22,11 +22,12 @@ from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 
 
 class Entry(NamedTuple):
-    """A file of a cache: its ``name`` in the folder, and the function that makes its dataset.
+    """File of a cache with a dataset, which the function ``make`` computes if it is not there.
 
-    ``make`` gets the ``settings``, on which the key depends, and as keywords the ``options``, which
-    do not change the result, and ``report``. Entries take a time proportional to their ``joints``.
-    The key depends on the code of functions, ``module:function``, that ``make`` ``uses`` by name.
+    ``make`` receives the ``settings`` and, as keywords, the ``options`` and a function ``report``.
+    The key of the file depends on the settings, and on the code of the functions that ``make``
+    ``uses`` by name ("module:function"). Options do not change the result. The time of an entry is
+    expected to be proportional to its number of ``joints``.
     """
 
     name: str

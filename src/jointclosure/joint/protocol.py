@@ -496,7 +496,11 @@ def _mean_height(joint: Joint) -> float:
 
 
 def closure_limit(joint: Joint, target_force: float) -> float:
-    """Return a closure [m] at which the joint has passed a target force [N], if it ever does."""
+    """Return an upper bound of the closure [m] at which the joint carries a target force [N].
+
+    It is a formula, twice the sum of the range of heights and of the displacements by the force if
+    all cells carried it evenly. A joint that carries less there never carries the force.
+    """
     summed = joint.upper + joint.lower
     per_cell = target_force / summed.size
     cells, _, _, compliance = joint.overlapping(float(np.ptp(summed)) + joint.first_touch)

@@ -217,7 +217,12 @@ def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: f
 
 
 def _history_of_curve(curve: MeasuredCurve) -> xr.Dataset:
-    """Convert a measured curve to a history, to be read like that of a simulated joint."""
+    """Convert a measured curve to a history, to be read like that of a simulated joint.
+
+    If a loading starts at the stress at which the cycle before ended, its closures continue from
+    the last one of that cycle. Before a further cycle, a cycle without a measured unloading gets
+    one point of it, the first of the next loading.
+    """
     cycles = [curve.branches(cycle) for cycle in curve.cycles]
     parts = []
     end = np.inf, 0.0  # last stress and closure of the cycle before

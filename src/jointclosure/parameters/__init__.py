@@ -7,7 +7,13 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args, get_o
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
-from jointclosure.parameters.units import Property, check_inside, properties_of, unit_meant
+from jointclosure.parameters.units import (
+    Property,
+    check_inside,
+    in_unit,
+    properties_of,
+    unit_meant,
+)
 
 
 class Rock(NamedTuple):
@@ -283,9 +289,11 @@ def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
             check_number(name, value)
             low, high, unit = USUAL[name]
             if not (low <= value <= high or value == 0.0 or np.isinf(value)):
+                stated = OF_ROCK[name].unit if name in OF_ROCK else unit
+                shown = "" if stated == unit else f" ({in_unit(value, stated):g} {stated})"
                 raise InputError(
-                    f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
-                    f"{unit_meant(value, low, high, unit)} {AS_IT_IS}"
+                    f"{name} = {value!r} {unit}{shown}: not usual of rock ({low:g} to {high:g} "
+                    f"{unit}); {unit_meant(value, low, high, unit)} {AS_IT_IS}"
                 )
 
 
@@ -314,7 +322,11 @@ def well_posed_scenes() -> Iterator[Effects]:
 
 
 def _check_fields(settings: Any, kind: type[NamedTuple]) -> None:
-    """Raise `InputError` unless settings are of a kind, and numbers and words as annotated."""
+    """Raise `InputError` unless settings are of a kind, and its fields have allowed values.
+
+    Checked are fields whose annotation has their words (`Literal`), their interval (`Annotated`)
+    or is bool. Other fields are checked where they are used.
+    """
     if not isinstance(settings, kind):
         raise InputError(f"{kind.__name__.lower()} = {settings!r}: must be a {kind.__name__}")
     for name, value in settings._asdict().items():

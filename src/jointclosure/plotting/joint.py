@@ -237,7 +237,10 @@ def engineering_figure(
 def _draw_closure(
     axes, joint: xr.Dataset, curves: pd.DataFrame, laws: Mapping[int, BartonBandis]
 ) -> None:
-    """Draw loading of each cycle from its seating, fitted hyperbolas, and Barton and Bandis."""
+    """Draw the loading of each cycle with its fitted hyperbola, and the empirical ``laws``.
+
+    Closures count from the seating of their cycle; the laws are those of Barton and Bandis.
+    """
     loading = curves[curves.branch == LOADING]
     _draw_along(axes, loading, "closure_net_since_seating_mm", across=True)
     history = history_of(joint)

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 ABSENT = "–"  # in a table, in place of a number
+_MOST_POWERS = 4
+"""Powers of ten that numbers with as many decimals each may span."""
 
 
 def rounded(value: float, standard_error: float) -> str:
@@ -57,7 +59,8 @@ def with_equal_decimals(values: Sequence[float], figures: int = 2) -> list[str]:
     The first of them has the given number of significant digits, unless the range contains 0.
     There are more decimals if the width of the range needs them, as an error does (`rounded`), and
     if an end within two powers of ten would read as 0. Numbers of which none is between 1e-3 and
-    1e6 are written with exponents.
+    1e6 are written with exponents. Positive numbers over more than `_MOST_POWERS` powers of ten
+    have significant digits of their own each.
 
     >>> with_equal_decimals([0.0974, 0.0908, 0.0996])
     ['0.097', '0.091', '0.100']
@@ -66,6 +69,8 @@ def with_equal_decimals(values: Sequence[float], figures: int = 2) -> list[str]:
     largest = max(known, default=0.0)
     if known and not 1e-3 <= largest < 1e6:
         return [number_text(value, figures) if value else "0" for value in values]
+    if min(values, default=0.0) > 0.0 and largest > 10.0**_MOST_POWERS * min(known):
+        return [number_text(value, figures) for value in values]
     finite = [value for value in values if math.isfinite(value)]
     low, high = min(finite, default=0.0), max(finite, default=0.0)
     if not high > low and not known:

@@ -160,8 +160,8 @@ class Budget(NamedTuple):
             return []
         errors = (f"{percent(row.error)} on cycle {row.cycle}" for row in known.itertuples())
         lines = [
-            f"{QUANTITIES[quantity]}: numerical error at most {', '.join(errors)} (about nine in "
-            "ten joints keep such a limit)"
+            f"{QUANTITIES[quantity]}: limit of the numerical error {', '.join(errors)} (about nine "
+            "in ten joints keep such a limit)"
         ]
         unstable = known[known.scatter > NOT_STABLE]
         if len(unstable):

@@ -252,7 +252,26 @@ def bands_of(
                     for end, of in zip(smooth, ends, strict=True):
                         end[-1] = result[of]
             bands.loc[known.index, columns] = np.transpose(smooth)
-    return with_transmissivity(bands)
+    return with_transmissivity(_within_bounds(bands))
+
+
+def _within_bounds(bands: pd.DataFrame) -> pd.DataFrame:
+    """Return bands of which that of the hydraulic aperture ends within those of its bounds.
+
+    The hydraulic aperture of a joint lies between its two bounds, whatever the inputs are. A change
+    as a factor that is assumed for a variant that was not simulated can exceed them.
+    """
+    limited = {}
+    for bound, limit, sides in (
+        ("smallest_hydraulic_mm", np.fmax, (ENDS[0], WIDER[0])),
+        ("largest_hydraulic_mm", np.fmin, (ENDS[1], WIDER[1])),
+    ):
+        for end in sides:
+            name = f"hydraulic_aperture_mm_{end}"
+            if name in bands and f"{bound}_{end}" in bands:
+                known = bands[name].notna()
+                limited[name] = limit(bands[name], bands[f"{bound}_{end}"]).where(known)
+    return bands.assign(**limited)
 
 
 def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.remarks import caution
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.scans import read_scan
@@ -46,8 +47,25 @@ def registered_walls(
         )
         with naming(" and ".join(names)):
             pair = registered(above, below, spacing, **options)
+        pair.report.extend(order_cautions(upper, lower))
     check_cells(pair.upper.shape, pair.spacing, spacing is not None)
     return pair
+
+
+def order_cautions(upper: Wall, lower: Wall) -> list[str]:
+    """Return a warning if the names of two files say that the walls are in the wrong order."""
+    names = [
+        Path(wall).stem.lower() if isinstance(wall, str | Path) else "" for wall in (upper, lower)
+    ]
+    said = [{word for word in ("upper", "lower") if word in name} for name in names]
+    if said != [{"lower"}, {"upper"}]:
+        return []
+    return [
+        caution(
+            f"{upper} is taken as the upper wall and {lower} as the lower one, as they are given "
+            "in this order; exchange them if their names are right"
+        )
+    ]
 
 
 def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:

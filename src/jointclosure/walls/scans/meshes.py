@@ -46,7 +46,10 @@ def read_mesh(path: Path, variable: str | None = None) -> Contents:
 
 
 def _coordinate_order(variable: str | None) -> list[int]:
-    """Return the columns of x, y and z in the order that is stated."""
+    """Return the indices of x, y and z among the coordinates of the vertices of a mesh.
+
+    ``variable`` states their order, such as "z,x,y".
+    """
     known = dict(zip("xyz", range(3), strict=True)) | {str(n + 1): n for n in range(3)}
     words = [word.strip().lower() for word in (variable or "x,y,z").split(",")]
     columns = [known.get(word, -1) for word in words]
