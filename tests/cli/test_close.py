@@ -14,6 +14,7 @@ from PIL import Image
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli import report
+from jointclosure.cli.exports import export_remarks
 from jointclosure.cli.results import summary, with_bands
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs.remarks import cautions
@@ -72,7 +73,8 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     record = json.loads((folder / "joint.json").read_text())
     assert record["found"] == joint.pair.report
     assert record["found"][: len(pair.report)] == pair.report
-    assert record["warnings"] == cautions(pair.report)
+    exported = export_remarks(joint.history, joint.curves)
+    assert record["warnings"] == cautions([*pair.report, *exported])
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * joint.pair.mismatch.wavelength
     assert set(record["sha256"]) == {"upper", "lower"}
     settings = json.loads(record["provenance"]["settings"])

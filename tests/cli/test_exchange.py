@@ -29,6 +29,7 @@ from jointclosure.joint.tables import (
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.folders import write
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.uncertainty.published_joints import measured_range
 from tests.joints import COARSE, SPACING, closed, on_softer_half_spaces
 
 UNKNOWN = ["at_least", "not_solved"]
@@ -320,13 +321,16 @@ def test_every_input_of_another_program_names_its_cycle_and_the_first_one(
 ):
     first, second = net_responses(history)["stiffness_net"]
     title = f"cycle 2, the last loading from seating, which is {second / first:.3g} times as stiff"
+    low, high = measured_range("stiffness_ratio")
     laws = LAWS._replace(by_cycle={})
     files = exports.export_files(history, "a joint", stress_table(history), laws)
     printed = capsys.readouterr().out
     for text in (printed, files["barton_bandis.dat"]):
         assert (
-            f"of {title} as cycle 1 (chord stiffness); --cycles 1 gives the first loading" in text
-        )
+            f"of {title} as cycle 1 (chord stiffness), while later loadings of measured joints "
+            f"were {low:.2g} to {high:.2g} times as stiff as the first; --cycles 1 gives the first "
+            "loading"
+        ) in text
     for name in ("geos.xml", "geos_barton_bandis.xml"):
         assert f"of the loading of {title} as cycle 1" in files[name]
         ElementTree.fromstring(files[name])  # whose comments have no two hyphens
@@ -393,6 +397,13 @@ def test_the_engineering_figure_names_its_bands(figure):
     (legend,) = figure.legends
     shown = {text.get_text() for text in legend.get_texts()}
     assert {"cycle 1, 9 in 10 joints", "cycle 2, 9 in 10 joints"} <= shown
+
+
+def test_curves_of_all_cycles_have_one_neutral_entry_in_the_legend(figure):
+    (legend,) = figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    entry = legend.legend_handles[texts.index("upper bound of the transmissivity")]
+    assert entry.get_color() == "0.25"
 
 
 def test_the_engineering_figure_shows_transmissivity_in_square_metres(figure):
@@ -507,10 +518,77 @@ def test_constants_for_udec_or_3dec_are_those_of_the_laws(history):
     assert (values["bb_lab_length"], values["bb_length"]) == (0.1, 1.0)
     for cycle in (1, 2):
         law = LAWS.from_zero(cycle)
-        assert values[f"bb_kni_cycle_{cycle}"] == pytest.approx(law.initial_stiffness, rel=1e-6)
-        assert values[f"bb_vm_cycle_{cycle}"] == pytest.approx(law.largest_closure, rel=1e-6)
+        assert values[f"bb_empirical_kni_cycle_{cycle}"] == pytest.approx(
+            law.initial_stiffness, rel=1e-6
+        )
+        assert values[f"bb_empirical_vm_cycle_{cycle}"] == pytest.approx(
+            law.largest_closure, rel=1e-6
+        )
     stiff, opening, _ = porepy(history).values()
     assert (values["bb_kni"], values["bb_vm"]) == pytest.approx((stiff, opening), rel=1e-6)
+    assert values["bb_empirical_aperture"] == pytest.approx(LAWS.from_zero(1).aperture, rel=1e-6)
+
+
+def test_constants_for_udec_or_3dec_have_those_of_the_first_loading_of_the_model(history):
+    values, _ = fish_constants(history, stress_table(history))
+    kni, vm = loading_hyperbolas(history, [1]).loc[1]
+    assert values["bb_kni_first_loading"] == pytest.approx(1e9 * kni, rel=1e-6)
+    assert values["bb_vm_first_loading"] == pytest.approx(1e-3 * vm, rel=1e-6)
+
+
+def fitted_texts(joint, curves):
+    """Texts of the files that have room for comments, by name."""
+    exported = (exports.itasca_tables, exports.geos_files, exports.geos_barton_bandis)
+    files = exports.barton_bandis_commands(joint, curves, LAWS)
+    for export in exported:
+        files |= export(joint, curves)
+    return {name: text for name, text in files.items() if name.endswith((".dat", ".xml"))}
+
+
+@pytest.mark.parametrize("measured", [(0.01, 0.02), (1.0, 1e9)])
+def test_a_loading_whose_stiffness_is_beyond_measured_ones_is_warned_of(
+    history, measured, monkeypatch
+):
+    monkeypatch.setattr(exports, "measured_range", {"stiffness_ratio": measured}.get)
+    curves = stress_table(history)
+    beyond = measured[1] < 1.0
+    (remark,) = exports.export_remarks(history, curves)
+    stiffness = net_responses(history)["stiffness_net"]
+    assert f"{stiffness[1] / stiffness[0]:.3g} times as stiff as cycle 1" in remark
+    assert cautions([remark]) == ([remark] if beyond else [])
+    assert "--cycles 1 gives the first loading" in remark
+    for text in [remark, *fitted_texts(history, curves).values()]:
+        about = "later loadings of measured joints were 0.01 to 0.02 times as stiff as the first"
+        assert (about in text) == beyond
+
+
+def test_inputs_of_other_programs_have_the_ends_with_other_choices_of_the_model(history):
+    choices = {"low": 0.9, "high": 1.1, "low_with_choices": 0.8, "high_with_choices": 1.3}
+    names = [*("closure_net_since_seating_mm", "closure_gross_since_seating_mm")]
+    names += ["normal_stiffness_net_MPa_per_mm", "normal_stiffness_gross_MPa_per_mm"]
+    names += ["mean_aperture_mm"]
+    curves = stress_table(history)
+    ends = {f"{name}_{end}": f * curves[name] for name in names for end, f in choices.items()}
+    wide = curves.assign(**ends)
+    files = exports.porepy_files(history, wide)
+    values, _ = fish_constants(history, wide)
+    vm = "maximum_elastic_fracture_opening"
+    for end, factor in {"closes_less": 0.8, "closes_more": 1.3}.items():
+        largest = files[f"porepy_{end}_with_choices.json"][vm]
+        assert largest == pytest.approx(factor * files["porepy.json"][vm], rel=0.02)
+        assert values[f"bb_vm_{end}_with_choices"] == pytest.approx(largest, rel=1e-6)
+    text = itasca_table(
+        exports.itasca_tables(history, wide)["joint_stiffness.dat"],
+        "kn-cycle-2-loading-high-with-choices",
+    )
+    usual = itasca_table(itasca(history), "kn-cycle-2-loading")
+    np.testing.assert_allclose(text[1], 1.3 * usual[1], rtol=1e-5)
+    assert "geos_aperture_low_with_choices.csv" in exports.geos_files(history, wide)
+    law = exports.geos_barton_bandis(history, wide)["geos_barton_bandis.xml"]
+    assert 'name="joint_aperture_high_with_choices"' in law
+    for text in fitted_texts(history, wide).values():
+        assert "of the ends of the range of 9 in 10 joints" in text
+        assert "of the ends of the range with other choices of the model too" in text
 
 
 def test_the_stiffness_for_udec_or_3dec_is_the_slope_of_the_hyperbola(history):
@@ -533,7 +611,7 @@ def straight(history):
 def test_the_law_for_udec_or_3dec_is_there_without_a_hyperbola_of_the_joint(straight):
     values, _ = fish_constants(straight, stress_table(straight))
     assert "bb_kni" not in values
-    assert "bb_kni_cycle_1" in values
+    assert "bb_empirical_kni_cycle_1" in values
 
 
 def test_udec_or_3dec_get_nothing_without_a_hyperbola_or_a_law(straight):

@@ -12,7 +12,7 @@ import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.joint.tables import stress_table
 from jointclosure.plotting import snapshots
-from jointclosure.plotting.joint import engineering_figure
+from jointclosure.plotting.joint import closure_curve, engineering_figure
 from jointclosure.plotting.style import percent_ticks, subplots
 from jointclosure.plotting.walls import HOLES, pair_figure
 from jointclosure.storage.netcdf import read_netcdf
@@ -178,8 +178,9 @@ def flowing(walls):
     )  # fmt: skip
 
 
-def test_one_legend_below_the_panels_names_an_unloading_that_its_loading_hides(flowing):
-    figure = engineering_figure(flowing, "a joint")
+@pytest.mark.parametrize("draw", [engineering_figure, closure_curve])
+def test_one_legend_below_the_panels_names_an_unloading_that_its_loading_hides(flowing, draw):
+    figure = draw(flowing, "a joint")
     assert not any(axes.get_legend() for axes in figure.axes)
     (legend,) = figure.legends
     named = [text.get_text() for text in legend.get_texts()]

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import export_files, exported_loading
+from jointclosure.cli.exports import export_files, export_remarks, exported_loading
 from jointclosure.execution.progress import duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
@@ -133,7 +133,9 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": results.status_text(history),
         "found": pair.report,
-        "warnings": cautions([*pair.report, *answer["remarks"]]),
+        "warnings": cautions(
+            [*pair.report, *answer["remarks"], *export_remarks(history, joint.curves)]
+        ),
         "cells_y_x": list(pair.upper.shape),
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,

@@ -11,13 +11,29 @@ import xarray as xr
 from jointclosure.cli.results import FIGURES, failed
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
-from jointclosure.joint.laws import BENDS, LAWS, JointLaws, fit_law, fitted_laws, law_curves
+from jointclosure.joint.laws import (
+    BENDS,
+    LAWS,
+    JointLaws,
+    fit_law,
+    fitted_laws,
+    law_curves,
+    loading_hyperbolas,
+)
 from jointclosure.joint.status import LOADING, ONLY_BOUNDS
-from jointclosure.joint.tables import columns_of, curve_table, cycle_table
+from jointclosure.joint.tables import (
+    columns_of,
+    curve_table,
+    cycle_table,
+    has_bands,
+    wider_columns_of,
+)
 from jointclosure.statistics.number_texts import percent
+from jointclosure.uncertainty.published_joints import measured_range
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -27,7 +43,7 @@ _END = 0.01
 """Share of the last interval that has this slope."""
 _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
      Gap and {aperture} in m,
-     of the loading of {loading}. -->
+     of the loading of {loading}.{ranges} -->
 <TableFunction
   name="joint_aperture"
   coordinateFiles="{{ geos_gap.csv }}"
@@ -69,8 +85,8 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
-    if of_loading := exported_loading(joint, curves):
-        print(f"- {_EXPORTED} are of {of_loading}")
+    for remark in export_remarks(joint, curves):
+        print(f"- {remark}")
     of_laws = partial(barton_bandis_commands, laws=laws)
     exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
     for export in exports:
@@ -85,6 +101,31 @@ def exported_loading(joint: xr.Dataset, curves: pd.DataFrame) -> str:
     """Describe the loading of constants for other programs; "" if there is none."""
     last = None if failed(joint) else _last_from_seating(joint, curves)
     return _of_loading(joint, last) if last else ""
+
+
+def export_remarks(joint: xr.Dataset, curves: pd.DataFrame) -> list[str]:
+    """Say of which loading the constants for other programs are.
+
+    It is a warning if that loading is stiffer or softer, against the first, than measured ones.
+    """
+    last = None if failed(joint) else _last_from_seating(joint, curves)
+    if last is None:
+        return []
+    remark = f"{_EXPORTED} are of {_of_loading(joint, last)}"
+    return [caution(remark) if _beyond_measured(joint, last) else remark]
+
+
+def _stiffness_ratio(joint: xr.Dataset, cycle: int) -> float:
+    """Return the chord stiffness of a cycle over that of the first."""
+    stiffness = net_responses(joint)["stiffness_net"]
+    return float(stiffness[cycle - 1] / stiffness[0])
+
+
+def _beyond_measured(joint: xr.Dataset, cycle: int) -> bool:
+    """Return whether the stiffness of a later cycle over the first is outside of measured ones."""
+    low, high = measured_range("stiffness_ratio")
+    ratio = _stiffness_ratio(joint, cycle)
+    return cycle > 1 and bool(np.isfinite(ratio)) and not low <= ratio <= high
 
 
 def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
@@ -113,10 +154,15 @@ def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> st
     if cycle == 1:
         return "cycle 1, the first loading"
     about = f"cycle {cycle}, the last loading from seating"
-    stiffness = net_responses(joint)["stiffness_net"]
-    ratio = stiffness[cycle - 1] / stiffness[0]
+    ratio = _stiffness_ratio(joint, cycle)
     if np.isfinite(ratio):
         about += f", which is {ratio:.3g} times as stiff as cycle 1 (chord stiffness)"
+    if _beyond_measured(joint, cycle):
+        low, high = measured_range("stiffness_ratio")
+        about += (
+            f", while later loadings of measured joints were {low:.2g} to {high:.2g} times as "
+            "stiff as the first"
+        )
     if np.ndim(joint.attrs["max_normal_stress_Pa"]):  # a history, whose cycles are its maxima
         option = f"its first maximum as the only stress, with {option},"
     return f"{about}; {option} gives the first loading"
@@ -125,8 +171,8 @@ def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> st
 def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
     """Return the rows of the last loading that begins at seating, by endings of files.
 
-    The ending "" is that of the joint, "_low" and "_high" are those of the ends of a band. Raise
-    `InputError`, which names the ``program``, if there is no such loading.
+    The ending "" is that of the joint, the others of `_OF_BAND` are those of ends of bands that are
+    known. Raise `InputError`, which names the ``program``, if there is no such loading.
     """
     cycle = _last_from_seating(joint, curves)
     if cycle is None:
@@ -138,18 +184,47 @@ def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str,
     rows = known[known.cycle == cycle]
     last = {}
     shown = [name for name in CURVES if name in rows]
-    for number, _ in enumerate(columns_of(curves, shown[0])):
-        ending = ("", "_low", "_high")[number]
-        of_end = {name: rows[columns_of(curves, name)[number]] for name in shown}
-        about = rows[["cycle", "normal_stress_MPa"]]
-        last[ending] = pd.DataFrame(of_end | dict(about))
+    for ending in _OF_BAND:
+        if f"{shown[0]}{ending}" in rows:
+            of_end = {name: rows[f"{name}{ending}"] for name in shown}
+            about = rows[["cycle", "normal_stress_MPa"]]
+            last[ending] = pd.DataFrame(of_end | dict(about))
     return last
 
 
+_OF_BAND = {
+    "": "",
+    "_low": ", low end of its band",
+    "_high": ", high end of its band",
+    "_low_with_choices": ", low end of its band with other choices of the model",
+    "_high_with_choices": ", high end of its band with other choices of the model",
+}
+"""Endings of columns of a `stress_table`, and what they are called in titles."""
+
+
+def _about_ranges(curves: pd.DataFrame, low: str, high: str, choices: str) -> list[str]:
+    """Say which range names that end in ``low`` and ``high`` have, and those in ``choices``."""
+    lines: list[str] = []
+    if has_bands(curves):
+        lines.append(
+            f"{low} and {high} are of the ends of the range of 9 in 10 joints that have these "
+            "scans and the stated properties"
+        )
+    if wider_columns_of(curves, "closure_net_since_seating_mm"):
+        lines.append(
+            f"{low}{choices} and {high}{choices} are of the ends of the range with other choices "
+            "of the model too"
+        )
+    return lines
+
+
+_CHOICES = ", with other choices of the model"
 _CLOSES = {
     "": ("", "the joint"),
     "_low": ("_closes_less", "a joint that closes less"),
     "_high": ("_closes_more", "a joint that closes more"),
+    "_low_with_choices": ("_closes_less_with_choices", f"a joint that closes less{_CHOICES}"),
+    "_high_with_choices": ("_closes_more_with_choices", f"a joint that closes more{_CHOICES}"),
 }
 """Endings of constants and their joints, by endings of the band of closure to which they are
 fitted. The constants themselves are not the ends of ranges: one that closes less may have a larger
@@ -188,6 +263,9 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
     found = {}
     for of_band, rows in loadings.items():
         ending, which = _CLOSES[of_band]
+        if rows.closure_net_since_seating_mm.isna().any():  # with other choices of the model
+            print(f"- {program}: not written: {which}: its closure is not known at every stress")
+            continue
         more = _difference_at(stress, rows, loadings[""], seating)
         (stiffness, largest), _, _ = fit_law(law, stress, closure + more, seating)
         if not np.isfinite([stiffness, largest]).all():
@@ -205,10 +283,14 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
             print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
             continue
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
-            raise InputError(
-                f"{program}: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm "
+            reason = (
+                f"the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm "
                 f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive"
             )
+            if not ending:
+                raise InputError(f"{program}: {reason}")
+            print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
+            continue
         found[ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture, cycle)
     return found
 
@@ -264,9 +346,9 @@ def barton_bandis_commands(
 ) -> dict[str, str]:
     """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
 
-    Those fitted to the last loading count from seating, with those of joints at the ends of the
-    band of closure. Those of the empirical law, of JRC and JCS at both lengths, count from zero
-    stress.
+    Those fitted to the last loading, and to the first, count from seating; those of the last one
+    are given for joints at the ends of the bands of closure too. Those of the empirical law, of JRC
+    and JCS at both lengths, are named so, and count from zero stress.
     """
     seating = float(joint.attrs["seating_stress_Pa"])
     values: dict[str, tuple[float, str]] = {}
@@ -281,13 +363,16 @@ def barton_bandis_commands(
             "bb_length": (length, "length of the joint Ln (m)"),
             "bb_jrc": (jrc, "JRCn, at the length of the joint"),
             "bb_jcs": (wall_strength, "JCSn (Pa), at the length of the joint"),
-            "bb_aperture": (laws.from_zero(1).aperture, "aperture aj at zero stress (m)"),
+            "bb_empirical_aperture": (
+                laws.from_zero(1).aperture,
+                "aperture aj (m) of the empirical law at zero stress",
+            ),
         }
     for cycle in laws.by_cycle:
         law = laws.from_zero(cycle)
-        where = f"of the empirical law, cycle {cycle}, from zero stress"
-        values[f"bb_kni_cycle_{cycle}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
-        values[f"bb_vm_cycle_{cycle}"] = law.largest_closure, f"Vm (m) {where}"
+        where = f"of the empirical law (JRC, JCS), cycle {cycle}, from zero stress"
+        values[f"bb_empirical_kni_cycle_{cycle}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
+        values[f"bb_empirical_vm_cycle_{cycle}"] = law.largest_closure, f"Vm (m) {where}"
     try:
         fitted = _hyperbolas(joint, curves, "UDEC, 3DEC")
         function = _STIFFNESS_FUNCTION
@@ -302,13 +387,23 @@ def barton_bandis_commands(
         where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {known.cycle}{end}"
         values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
+    first = loading_hyperbolas(joint, [1]).loc[1]
+    where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle 1, the first loading"
+    if fitted and np.isfinite(first).all():
+        values["bb_kni_first_loading"] = 1e9 * first.kni_MPa_per_mm, f"kni (Pa/m) {where}"
+        values["bb_vm_first_loading"] = 1e-3 * first.vm_mm, f"Vm (m) {where}"
     if fitted:
         values["bb_seating"] = seating, "seating stress (Pa)"
     lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
     head = ["; Barton-Bandis constants in SI, net of the deformation of the rock"]
     if fitted:
         cycle = fitted[""].cycle
-        head.append(f"; bb_kni and bb_vm are of {_of_loading(joint, cycle)}")
+        head.append(
+            "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
+            f"{_of_loading(joint, cycle)}"
+        )
+        ranges = _about_ranges(curves, "_closes_less", "_closes_more", "_with_choices")
+        head += [f"; {line}" for line in ranges]
     return {"barton_bandis.dat": "\n".join([*head, *lines]) + "\n" + function}
 
 
@@ -360,11 +455,12 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
         print(f"- geos.xml: its table, {named}, is the {titles[named]}, not the aperture itself")
     title = titles[named].replace("upper bound", "UPPER BOUND")
     of_loading = _of_loading(joint, cycle, "option cycles 1")  # no two hyphens in a comment
-    form = _GEOS.format(aperture=title, loading=of_loading, file=named)
+    about = _about_ranges(curves, "_low", "_high", "_with_choices")
+    ranges = "".join(f"\n     {line}." for line in about)
+    form = _GEOS.format(aperture=title, loading=of_loading, file=named, ranges=ranges)
     return {name: "".join(lines[name]) for name in lines} | {"geos.xml": form}
 
 
-_OF_BAND = {"": "", "_low": ", low end of its band", "_high": ", high end of its band"}
 _TENTH = 9.0
 """GEOS' BartonBandis has a tenth of the aperture at the reference stress: a0/(1 + 9 s/s_ref)."""
 
@@ -380,6 +476,8 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str
     parts = _loading(joint, curves, "GEOS")
     cycle = int(parts[""].cycle.iloc[0])
     lines = [f"  <!-- of the loading of {_of_loading(joint, cycle, 'option cycles 1')} -->"]
+    about = _about_ranges(curves, "_low", "_high", "_with_choices")
+    lines += [f"  <!-- {line} -->" for line in about]
     for ending, rows in parts.items():
         known = rows[rows[column] > 0.0]
         name = f"joint_aperture{ending}"
@@ -435,11 +533,17 @@ _TABLES = (
 
 def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Return commands of 3DEC 7 that define tables by cycle, branch and end of a band."""
-    lines = []
+    lines = [f"; {line}" for line in _about_ranges(curves, "-low", "-high", "-with-choices")]
+    last = _last_from_seating(joint, curves)
+    if last and _beyond_measured(joint, last):
+        lines.append(
+            f"; tables of all cycles follow; among them are those of {_of_loading(joint, last)}"
+        )
     tables = _TABLES if history_of(joint).has_flow else _TABLES[:1]
     for comment, name, column, scale in tables:
         lines.append(f"; {comment}")
-        for member, ending in zip(columns_of(curves, column), ("", "-low", "-high"), strict=False):
+        for member in [*columns_of(curves, column), *wider_columns_of(curves, column)]:
+            ending = member.removeprefix(column).replace("_", "-")
             for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
                 pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
                 text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)

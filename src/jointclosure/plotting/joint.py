@@ -11,9 +11,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from jointclosure.ensembles.quantities import CURVES
-from jointclosure.joint.history import GROSS, NET, history_of
+from jointclosure.joint.history import GROSS, NET, Branch, History, history_of
 from jointclosure.joint.laws import LAWS, BartonBandis, loading_hyperbolas
 from jointclosure.joint.status import LOADING
 from jointclosure.joint.tables import WATER, columns_of, has_bands, stress_table, wider_columns_of
@@ -25,6 +26,10 @@ from jointclosure.uncertainty.sources import ALL, TITLES
 
 DECADES = 9  # of transmissivity that are drawn at most
 SAME = 0.01  # difference of two branches over their largest value, below which they are one line
+_SAME_TEXT = " (same as loading)"
+_BOUND = "upper bound of the transmissivity"
+_OF_CYCLES = ["Barton-Bandis", _BOUND]
+"""Curves that have the colours of their cycles, and one entry of a neutral colour in a legend."""
 _SEEN = ["normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"]
 """Columns whose branches are compared."""
 _CHOICES = "other choices of the model too (dashed edge)"
@@ -142,7 +147,7 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
                 BRANCH_LINES[branch.name],
                 color=f"C{cycle.number - 1}",
                 zorder=above(cycle.number, branch.name),
-                label=f"cycle {cycle.number}, {branch.name}",
+                label=f"cycle {cycle.number}, {branch.name}{_hidden(history, of, branch)}",
             )
     words = {"touch": "first touch", "cycle": "the cycle's start"}
     words["seating"] = f"{1e-6 * seating:g} MPa"
@@ -151,6 +156,17 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
     axes.set(ylabel="normal stress (MPa)", ylim=0.0)
     if history.begun <= 5:
         axes.legend(frameon=False)
+
+
+def _hidden(history: History, of: str, branch: Branch) -> str:
+    """Return what the legend adds to an unloading whose closures those of its loading hide."""
+    if branch.name == LOADING:
+        return ""
+    up, down = history.curve(of).at(history.table_levels())[branch.cycle - 1]
+    known = np.isfinite(up) & np.isfinite(down)
+    apart = np.abs(down - up)[known]
+    same = apart.size > 0 and apart.max() <= SAME * np.ptp(up[known])
+    return _SAME_TEXT if same else ""
 
 
 def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
@@ -194,7 +210,7 @@ def _branch_label(curves: pd.DataFrame, cycle: int, branch: str) -> str:
     of_cycle = curves[curves.cycle == cycle].set_index("normal_stress_MPa")
     up, down = (of_cycle.loc[of_cycle.branch == name, _SEEN] for name in (LOADING, branch))
     apart = (down - up).abs().max() > SAME * up.abs().max()
-    return label if branch == LOADING or apart.any() else f"{label} (same as loading)"
+    return label if branch == LOADING or apart.any() else f"{label}{_SAME_TEXT}"
 
 
 @styled
@@ -227,6 +243,11 @@ def engineering_figure(
             named.setdefault(label, handle)
         if axes.get_legend():
             axes.get_legend().remove()
+    for label in named.keys() & set(_OF_CYCLES):
+        drawn = named[label]
+        if isinstance(drawn, Line2D):
+            style, width = drawn.get_linestyle(), drawn.get_linewidth()
+            named[label] = Line2D([], [], color="0.25", ls=style, lw=width)
     figure.legend(
         named.values(), named, loc="outside lower center", ncols=shape[1] + 1, frameon=False,
         fontsize=9,
@@ -275,7 +296,7 @@ def _draw_flow(axes, curves: pd.DataFrame) -> None:
     axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[columns_of(curves, "largest_hydraulic_mm")[-1]]) ** 3
-        label = "upper bound" if cycle == 1 else None
+        label = _BOUND if cycle == 1 else None
         axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
     axes.set(title="transmissivity")
     if not (curves[name] > 0.0).any():
