@@ -290,7 +290,8 @@ def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
             low, high, unit = USUAL[name]
             if not (low <= value <= high or value == 0.0 or np.isinf(value)):
                 stated = OF_ROCK[name].unit if name in OF_ROCK else unit
-                shown = "" if stated == unit else f" ({in_unit(value, stated):g} {stated})"
+                number = in_unit(value, stated)
+                shown = f" ({number:g} {stated})" if stated != unit and number >= 1.0 else ""
                 raise InputError(
                     f"{name} = {value!r} {unit}{shown}: not usual of rock ({low:g} to {high:g} "
                     f"{unit}); {unit_meant(value, low, high, unit)} {AS_IT_IS}"
