@@ -1,5 +1,6 @@
 """Breakage, part by part; what must hold at rest is judged in the hard cases."""
 
+import itertools
 from typing import NamedTuple
 
 import hypothesis
@@ -14,6 +15,8 @@ from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers import pair_batch as pb
 from jointclosure.solvers.breakage import (
     breakage_kernel,
+    colour_map,
+    colours_beside,
     find_peaks,
     let_due_wait,
     new_turns,
@@ -310,3 +313,11 @@ def test_walls_whose_heights_differ_by_denormal_numbers_close_as_flat_ones(heigh
     )
     assert float(rough.breakage_steps) == 0.0
     np.testing.assert_array_equal(rough.max_closure, flat.max_closure)
+
+
+def test_the_colours_beside_a_cell_are_those_of_its_neighbours():
+    """Otherwise neighbours that break would wait in the list of another colour."""
+    colours, beside = colour_map(5, 5, 3), colours_beside(3)
+    for y, x in itertools.product(range(1, 4), repeat=2):
+        around = colours[y - 1 : y + 2, x - 1 : x + 2].ravel()
+        np.testing.assert_array_equal(beside[colours[y, x]], np.delete(around, 4))
