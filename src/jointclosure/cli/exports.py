@@ -99,8 +99,8 @@ def export_files(
 
 def exported_loading(joint: xr.Dataset, curves: pd.DataFrame) -> str:
     """Describe the loading of constants for other programs; "" if there is none."""
-    last = None if failed(joint) else _last_from_seating(joint, curves)
-    return _of_loading(joint, last) if last else ""
+    cycle = _exported_cycle(joint, curves)
+    return _of_loading(joint, cycle) if cycle else ""
 
 
 def export_remarks(joint: xr.Dataset, curves: pd.DataFrame) -> list[str]:
@@ -108,11 +108,16 @@ def export_remarks(joint: xr.Dataset, curves: pd.DataFrame) -> list[str]:
 
     It is a warning if that loading is stiffer or softer, against the first, than measured ones.
     """
-    last = None if failed(joint) else _last_from_seating(joint, curves)
-    if last is None:
+    cycle = _exported_cycle(joint, curves)
+    if cycle is None:
         return []
-    remark = f"{_EXPORTED} are of {_of_loading(joint, last)}"
-    return [caution(remark) if _beyond_measured(joint, last) else remark]
+    remark = f"{_EXPORTED} are of {_of_loading(joint, cycle)}"
+    return [caution(remark) if _beyond_measured(joint, cycle) else remark]
+
+
+def _exported_cycle(joint: xr.Dataset, curves: pd.DataFrame) -> int | None:
+    """Return the cycle of `_last_from_seating`, None for a joint that failed."""
+    return None if failed(joint) else _last_from_seating(joint, curves)
 
 
 def _stiffness_ratio(joint: xr.Dataset, cycle: int) -> float:

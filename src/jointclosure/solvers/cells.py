@@ -58,6 +58,16 @@ def curvature_among(here, neighbours, law):
 
 
 @kernel
+def row_of(cell, inverse):
+    """Return the row of a cell, given by flat index in rows of 1 / ``inverse`` cells.
+
+    It is computed in floating point, since the division of integers is slow; the half of a cell is
+    much more than its rounding.
+    """
+    return int((cell + 0.5) * inverse)
+
+
+@kernel
 def profiles(heights, cells, out):
     """Copy the heights of cells (n,) and of their neighbours west, east, south and north [m].
 
@@ -68,9 +78,7 @@ def profiles(heights, cells, out):
     inverse = 1.0 / nx
     for i in range(cells.size):
         cell = cells[i]
-        # in floating point, since the division of integers is slow; the half of a cell is much more
-        # than its rounding
-        y = int((cell + 0.5) * inverse)
+        y = row_of(cell, inverse)
         x = cell - y * nx
         out[0, i] = flat[cell]
         out[1, i] = flat[cell - 1] if x > 0 else math.inf

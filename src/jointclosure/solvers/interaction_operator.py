@@ -11,6 +11,7 @@ import scipy.fft
 
 from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.mechanics.interaction import interaction_displacement
+from jointclosure.solvers.cells import row_of
 from jointclosure.solvers.products import assign, symmetric_times
 
 LARGEST_DENSE = 4000
@@ -91,14 +92,12 @@ def places(cells, nx):
 def padded_places(cells, nx, columns):
     """Return the flat indices (n,) of cells in an array whose rows are padded to ``columns``.
 
-    The cells are given by flat index in rows of ``nx`` cells. Rows are computed in floating point,
-    since the division of integers is slow; the half of a cell is much more than its rounding.
+    The cells are given by flat index in rows of ``nx`` cells.
     """
     place = np.empty(cells.size, np.int64)
     inverse = 1.0 / nx
     for i in range(cells.size):
-        row = int((cells[i] + 0.5) * inverse)
-        place[i] = cells[i] + row * (columns - nx)
+        place[i] = cells[i] + row_of(cells[i], inverse) * (columns - nx)
     return place
 
 
