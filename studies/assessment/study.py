@@ -57,7 +57,7 @@ _FILLED: dict[str, dict[str, Any]] = {
     "not stable": {"fillstyle": "left"},
 }
 """Filling of the markers of joints, by their verdict."""
-_JOINT: dict[str, Any] = {"marker": "o", "color": "C0", "ms": 4.5, "mew": 1.0, "alpha": 0.8}
+_JOINT: dict[str, Any] = {"marker": "o", "ms": 4.5, "mew": 1.0, "alpha": 0.8}
 """Markers of joints."""
 _BESIDE = 1.1
 """Ratio of the times at which markers of one setting are drawn, so that they do not overlap."""
@@ -165,6 +165,7 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones.
 
     Each rock has a row of two panels, so that its joints are not hidden by those of another rock.
+    Colours are maximum stresses.
     """
     hardness = tables["hardness"]
     shares = ["spread", "unbreakable_share", "largest_jump"]
@@ -175,13 +176,15 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     )
     rocks = list(dict.fromkeys(joints.rock))
     verdicts = [name for name in _FILLED if (joints.verdict == name).any()]
+    colour = {stress: f"C{i}" for i, stress in enumerate(sorted(joints.stress_MPa.unique()))}
     _, grid = panel_grid(len(rocks), 2, (3.3, 2.3), (0.2, 1.2), sharex="col", sharey="col")
     for (left, right), rock in zip(grid, rocks, strict=True):
         of_rock = joints[joints.rock == rock]
         for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
             axes.plot(cases[x], cases[y], "o", color="0.82", ms=3.0, zorder=1)
-            for verdict, part in of_rock.groupby("verdict"):
-                axes.plot(part[x], part[y], ls="", zorder=3, **_JOINT | _FILLED[verdict])
+            for (verdict, stress), part in of_rock.groupby(["verdict", "stress_MPa"]):
+                style = _JOINT | _FILLED[verdict] | {"color": colour[stress]}
+                axes.plot(part[x], part[y], ls="", zorder=3, **style)
             axes.set_title(figure_text(settings["titles"][rock]))
             axes.set_xscale("log")
             axes.set_yscale("symlog", linthresh=_LINEAR_SHARE, linscale=0.5)
@@ -191,6 +194,7 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
         right.set_ylabel("largest jump\n(% of closure)")
         left.axvline(50.0 * settings["within"], color="0.5", ls="--", zorder=0)
         left.axhline(100.0 * LARGEST_UNBREAKABLE_SHARE, color="0.5", ls="--", zorder=0)
+        right.axhline(100.0 * settings["within"], color="0.5", ls="--", zorder=0)
     left, right = grid[-1]
     decimal_ticks(right.xaxis)
     low = 100.0 * _LEAST_SPREAD
@@ -200,7 +204,8 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     left.set_xlabel("scatter of net closure over copies\nthat should give equal results (%)")
     right.set_xlabel("cells in contact")
     handles: list[Artist] = [
-        *(point_key(name, **_JOINT | _FILLED[name]) for name in verdicts),
+        *(point_key(f"{stress:g} MPa", **_JOINT, color=colour[stress]) for stress in colour),
+        *(point_key(name, **_JOINT | _FILLED[name], color="0.3") for name in verdicts),
         point_key("hard cases", color="0.82", ms=3.0),
         key("limit of easy joints", color="0.5", ls="--"),
     ]

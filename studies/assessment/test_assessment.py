@@ -115,10 +115,25 @@ def test_each_rock_has_panels_with_its_joints_marked_by_verdict(two_rocks, table
     panels = list(zip(figure.axes, ["A slate"] * 2 + ["A dolerite"] * 2, strict=True))
     for axes, title in panels:
         verdict = "easy" if title == "A slate" else "hard"
-        _, drawn, *_ = axes.lines
+        stresses = tables["hardness"].stress_MPa.nunique()
+        drawn = axes.lines[1 : 1 + stresses]  # in front of the hard cases
         assert axes.get_title() == title
-        assert len(drawn.get_xdata()) == len(tables["hardness"])
-        assert drawn.get_markerfacecolor() == handles[verdict].get_markerfacecolor()
+        assert sum(len(line.get_xdata()) for line in drawn) == len(tables["hardness"])
+        hollow = handles[verdict].get_markerfacecolor() == "none"
+        assert {line.get_markerfacecolor() == "none" for line in drawn} == {hollow}
+
+
+def test_joints_have_the_colour_of_their_stress(tables):
+    hardness = tables["hardness"].assign(verdict="easy")
+    figure = draw_assessment_hardness(
+        {"hardness": hardness}, {"within": 0.05, "titles": {"slate": "A slate"}}
+    )
+    handles = {one.get_label(): one for one in figure.legends[0].legend_handles}
+    stresses = sorted(hardness.stress_MPa.unique())
+    assert len(stresses) == 2
+    colours = [one.get_color() for one in figure.axes[0].lines[1:3]]
+    assert colours == [handles[f"{stress:g} MPa"].get_color() for stress in stresses]
+    assert colours[0] != colours[1]
 
 
 def test_marks_of_one_setting_lie_beside_each_other(tables):

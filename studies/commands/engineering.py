@@ -35,7 +35,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write a CSV table for each named case (default: base cases).
 
-    Columns are closure, tangent stiffness and apertures over stress (`band_table`).
+    Columns are closure, tangent stiffness and apertures over stress (`curves_with_quantiles`).
     """
     folder = arguments.output or arguments.results / "engineering"
     with reading_netcdf(study_of(arguments.results)) as study:
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
         writable((), folder).mkdir(exist_ok=True)
         for name in asked:
-            table = band_table(study.sel(case=name).load())
+            table = curves_with_quantiles(study.sel(case=name).load())
             write_csv(table, folder / f"{name}.csv", FIGURES)
     low, _, high = QUANTILES
     print(f"wrote {folder}: {', '.join(f'{name}.csv' for name in asked)}")
@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def band_table(case: xr.Dataset) -> pd.DataFrame:
+def curves_with_quantiles(case: xr.Dataset) -> pd.DataFrame:
     """Tabulate closure, stiffness and apertures of a case by cycle, branch and stress.
 
     Each quantity has a mean (``<name>_mean``) and quantiles (such as ``<name>_q05``) over the

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.compilation.code_digests import PACKAGE
+from jointclosure.compilation.cache_folder import PACKAGE
 from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si

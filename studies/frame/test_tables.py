@@ -11,7 +11,7 @@ from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.commands import compare
-from studies.commands.engineering import band_table
+from studies.commands.engineering import curves_with_quantiles
 from studies.frame.panels import PanelColumn, Row, panels
 from tests.joints import DOLERITE, ELASTIC, SPACING
 from tests.studied import study_of
@@ -30,7 +30,7 @@ def ensemble():
 
 
 def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
-    table = band_table(ensemble)
+    table = curves_with_quantiles(ensemble)
     row = table.query("cycle == 1 and branch == 'loading' and stress_MPa == 1.0")
     assert row.samples.item() == 4
     at = {"cycle": 1, "branch": "loading", "stress": 1e6}
@@ -54,7 +54,7 @@ def stiffnesses():
     walls = [jc.wall_pair(8.0, (16, 16), SPACING, seed, roll_off=None) for seed in range(2)]
     finely = {"numerics": jc.Numerics(curve_points=60)}
     joints = jc.simulate_ensemble(walls, stress_points=31, workers=1, **rock, **finely)
-    table = band_table(joints)
+    table = curves_with_quantiles(joints)
     name = "normal_stiffness_net_MPa_per_mm"
     single = [jc.simulate(*pair, **rock, **finely) for pair in walls]
     either = [stress_table(joint, joints.stress.values)[name].to_numpy() for joint in single]
@@ -76,8 +76,8 @@ def test_the_median_stiffness_is_that_of_single_joints(stiffnesses):
 def test_stiffness_of_the_landing_is_left_out(ensemble):
     """Beyond the last joint's; that is on first loadings only."""
     name = "normal_stiffness_net_MPa_per_mm_mean"
-    whole = band_table(ensemble.assign(landing_stress=ensemble.landing_stress * np.inf))
-    without = band_table(ensemble)
+    whole = curves_with_quantiles(ensemble.assign(landing_stress=ensemble.landing_stress * np.inf))
+    without = curves_with_quantiles(ensemble)
     landing = ensemble.isel(realization=[0, 1, 2, 4]).sel(cycle=1).landing_stress.max().item()
     first = (whole.cycle == 1) & (whole.branch == "loading")
     kept = 1e6 * whole[first].stress_MPa <= landing
@@ -93,7 +93,7 @@ def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, c
     write_netcdf(study, tmp_path / "study.nc")
     assert cli.main(["engineering", str(tmp_path)]) == 0
     written = pd.read_csv(tmp_path / "engineering/a-base.csv")
-    expected = band_table(ensemble)
+    expected = curves_with_quantiles(ensemble)
     assert [path.name for path in (tmp_path / "engineering").iterdir()] == ["a-base.csv"]
     for name in ("closure_net_mm_q95", "normal_stiffness_net_MPa_per_mm_mean"):
         np.testing.assert_allclose(written[name], expected[name], rtol=1e-6)

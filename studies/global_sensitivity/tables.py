@@ -204,7 +204,7 @@ def elasticities_at(sampling: Sampling, response: Responses, at: np.ndarray) -> 
         step = after - before
         change = logarithms[:, 2 + place] - logarithms[:, 0]  # (row, surface)
         matrix = np.column_stack([np.ones(len(step)), functions[:, others]]) * step[:, None]
-        slopes = _shrunk_slopes(matrix, change.mean(axis=-1), response.rows)
+        slopes = _slopes_shrunk_by_noise(matrix, change.mean(axis=-1), response.rows)
         columns = np.column_stack([np.ones(len(at)), drawn_functions[:, others]])
         drawn = np.stack([columns @ slope for slope in slopes])
         inputs.append(name)
@@ -222,7 +222,7 @@ def _properties(sampling: Sampling, rock: str) -> list[tuple[int, str, Input]]:
     ]
 
 
-def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def _slopes_shrunk_by_noise(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Fit slopes (1 + groups, columns) to all rows and without each group, shrunk for noise."""
     slopes = np.stack([_least_squares(matrix, change, kept) for kept in _kept(rows)])
     squares = slopes[0] ** 2

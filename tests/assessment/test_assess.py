@@ -60,7 +60,7 @@ def test_a_needed_effect_has_the_results_that_make_it_needed():
 
 def test_the_verdict_on_a_joint_says_what_it_means():
     easy = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
-    words = "is easy (its copies agree and its contacts can break, which does not say"
+    words = "is easy (its copies agree, its closure hardly jumps and its contacts can break, which"
     assert words in easy.sentences[-1]
 
 
@@ -144,6 +144,7 @@ def test_coarser_numerics_change_nothing_but_steps_or_tolerance_that_act(breakag
     [
         ({"scatter": 1e-4}, "easy"),
         ({"scatter": 0.1}, "hard"),
+        ({"scatter": 1e-4, "largest_jump": 0.06}, "hard"),
         ({"scatter": 1e-4, "joints": 1, "unbreakable_share": [*[0.0] * 5, 0.2, 0.0, 0.0]}, "hard"),
         ({"scatter": 1e-4, "oracle_ratio": 1.5}, "not stable"),
         ({"scatter": 1e-4, "status": 16}, "not stable"),
@@ -268,6 +269,12 @@ def test_joints_are_easy_up_to_half_of_the_request(apart, verdict):
 @pytest.mark.parametrize(("share", "verdict"), [(0.1, "easy"), (0.101, "hard")])
 def test_joints_are_easy_up_to_a_tenth_of_force_that_cannot_break(share, verdict):
     assert hardness_of_copies(0.017, share) == verdict
+
+
+@pytest.mark.parametrize(("jump", "verdict"), [(0.05, "easy"), (0.051, "hard")])
+def test_joints_are_easy_up_to_a_jump_of_the_request(jump, verdict):
+    closed = closures(scatter=1e-4, largest_jump=jump)
+    assert Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0] == verdict
 
 
 def test_a_scene_that_fails_without_an_effect_needs_it():

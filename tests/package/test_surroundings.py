@@ -24,8 +24,8 @@ from pathlib import Path
 tempfile.tempdir = {str(tmp_path)!r}
 access = os.access  # the package is installed for all users
 os.access = lambda path, mode: not Path(path).is_relative_to({str(ROOT)!r}) and access(path, mode)
-from jointclosure.compilation import code_digests, kernels
-root = code_digests.cache_root()
+from jointclosure.compilation import cache_folder, kernels
+root = cache_folder.cache_root()
 assert root == Path({str(tmp_path)!r}) / f"jointclosure-{{os.getuid()}}", root
 assert root.stat().st_mode & 0o777 == 0o700
 assert kernels.cache_folder().is_relative_to(root)
@@ -46,7 +46,7 @@ def test_machine_code_is_not_loaded_from_a_folder_of_someone_else(tmp_path):
 import tempfile
 from pathlib import Path
 tempfile.tempdir = {str(tmp_path)!r}
-from jointclosure.compilation import code_digests
+from jointclosure.compilation import cache_folder
 taken = Path({str(tmp_path)!r}) / f"jointclosure-{{os.getuid()}}"
 for kind in ("link", "open"):
     if kind == "link":
@@ -56,8 +56,8 @@ for kind in ("link", "open"):
         taken.unlink()
         taken.mkdir()
         taken.chmod(0o777)
-    code_digests.temporary_cache.cache_clear()
-    assert code_digests.temporary_cache() != taken, kind
+    cache_folder.temporary_cache.cache_clear()
+    assert cache_folder.temporary_cache() != taken, kind
 """
     python("-c", code)
 

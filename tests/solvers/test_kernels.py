@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from jointclosure.compilation.code_digests import PACKAGE
+from jointclosure.compilation.cache_folder import PACKAGE
 from jointclosure.parameters import well_posed_scenes
 from tests.joints import closed, pair
 from tests.processes import python

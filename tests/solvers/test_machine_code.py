@@ -9,7 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.compilation import code_digests
 from jointclosure.compilation import kernels as compilation
-from jointclosure.compilation.code_digests import PACKAGE
+from jointclosure.compilation.cache_folder import PACKAGE
 from jointclosure.solvers.breakage import breakage_kernel
 from jointclosure.solvers.reference import reference_kernel
 from tests.processes import python

@@ -8,7 +8,6 @@ import pytest
 import scipy
 
 import jointclosure as jc
-from jointclosure.cli import results
 from jointclosure.cli.results import summary
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
@@ -103,16 +102,6 @@ def test_a_result_has_one_range_in_the_table_and_at_the_end_of_its_band(
         band = along[f"{curve}_{end}"]
         assert band.iloc[-1] == row[end]
         assert (np.diff(band) * (1.0 if CURVES[curve][1] else -1.0) >= 0.0).all()
-
-
-def test_an_end_of_the_aperture_that_is_one_number_is_explained(budget):
-    assert results._flat_aperture_remarks(stress_table(budget_joint())) == []  # no band
-    curves = budget.curves.copy()
-    curves["mean_aperture_mm_high_with_choices"] = 0.2
-    (remark,) = results._flat_aperture_remarks(curves)
-    assert "0.20 mm on cycle 1" in remark
-    curves["mean_aperture_mm_high_with_choices"] = 2.0 * curves.mean_aperture_mm
-    assert results._flat_aperture_remarks(curves) == []
 
 
 def test_named_stresses_have_ranges_with_other_choices_too(budget):
@@ -428,7 +417,7 @@ def test_a_band_contains_the_curve_of_the_joint():
 
 
 def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
-    """A variant that was not simulated counts as a factor, here of 1e3, which no joint reaches."""
+    """The change by half the spacing, which is not simulated, would lead beyond them here."""
     sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
     shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
     names = ["", "spacing", *[ALL] * DRAWS]
@@ -437,7 +426,7 @@ def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
     curves = pd.concat(
         pd.DataFrame(place)
         .assign(normal_stress_MPa=stress, hydraulic_aperture_mm=np.where(twice, 1e-5, 1e-2))
-        .assign(smallest_hydraulic_mm=np.where(twice, 5e-3, 8e-3), largest_hydraulic_mm=0.02)
+        .assign(smallest_hydraulic_mm=np.where(twice, 5e-3, 8e-3), largest_hydraulic_mm=0.012)
         for stress in (1.0, 2.0)
     )
     bands = bands_of(curves, sources, shares, further).iloc[0]
@@ -450,6 +439,27 @@ def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
     )
     largest = bands.largest_transmissivity_m2_per_s_high_with_choices
     assert bands.transmissivity_m2_per_s_high_with_choices == largest
+
+
+@pytest.mark.parametrize(
+    ("name", "with_half"),
+    [("mean_aperture_mm", 2.0 * 0.08 - 0.02), ("normal_stiffness_net_MPa_per_mm", 0.08**2 / 0.02)],
+)
+def test_half_the_spacing_changes_an_aperture_by_a_difference_and_others_by_a_factor(
+    monkeypatch, name, with_half
+):
+    monkeypatch.setattr(ranges_module, "widening_of", lambda quantity: 1.0)
+    sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    names = ["", "spacing", *[ALL] * DRAWS]
+    place = {"cycle": 1, "branch": "loading", "source": names}
+    values = np.where(np.array(names) == "spacing", 0.02, 0.08)
+    curves = [
+        pd.DataFrame(place | {"normal_stress_MPa": stress, name: values}) for stress in (1.0, 2.0)
+    ]
+    band = bands_of(pd.concat(curves), sources, shares, further).iloc[0]
+    np.testing.assert_allclose(band[f"{name}_low_with_choices"], 0.02, rtol=1e-9)
+    np.testing.assert_allclose(band[f"{name}_high_with_choices"], with_half, rtol=1e-9)
 
 
 def test_a_monotone_curve_leads_through_the_middles_of_equal_values():

@@ -167,7 +167,7 @@ def test_a_finished_study_is_up_to_date(study):
 @pytest.mark.slow
 def test_a_finished_study_has_the_files_that_were_pretended(study, pretended):
     outputs = [
-        {name for name in state_of(folder) if not re.search("/(?:logs|benchmarks|[.])", name)}
+        {name for name in state_of(folder) if not re.search("/(?:logs|[.])", name)}
         for folder in (study, pretended)
     ]
     assert outputs[0] == outputs[1]

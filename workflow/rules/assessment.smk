@@ -12,8 +12,6 @@ if PLAN is not None:
             f"{RESULTS}/assessed/{{rock}}.nc",
         log:
             f"{RESULTS}/logs/assess_joints/{{rock}}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/assessed/{{rock}}.tsv"
         group:
             "closures"
         conda:

@@ -43,6 +43,8 @@ rule choose_effects:
         "../scripts/choose_effects.py"
 
 
+# The processor time of each joint is in its dataset. A benchmark directive would take another
+# twentieth of the time of a study, as it reads the memory of each process twice a second.
 rule close_joints:
     input:
         surfaces=lambda w: surfaces_of(w.ensemble, case_of(w).label, w.first, w.last),
@@ -58,8 +60,6 @@ rule close_joints:
         f"{RESULTS}/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.nc",
     log:
         f"{RESULTS}/logs/close_joints/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/{{ensemble}}/{{rock}}-{{change}}.{{first}}-{{last}}.tsv"
     priority: lambda w: priority_of(w.ensemble)
     group:
         "closures"

@@ -7,8 +7,6 @@ rule close_points:
         f"{RESULTS}/{{experiment}}/{{job}}.nc",
     log:
         f"{RESULTS}/logs/close_points/{{experiment}}/{{job}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/{{experiment}}/{{job}}.tsv"
     wildcard_constraints:
         experiment="|".join(EXPERIMENTS) or "none",
     group:

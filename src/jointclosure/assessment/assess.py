@@ -60,9 +60,10 @@ HARD_CASES = Path(__file__).with_name("hard_cases.csv")
 """Names, difficulties and `FEATURES` of the hard cases that the study verification simulated."""
 _MEANINGS = {
     "not stable": "no closure of it can be stated",
-    "hard": "the order of breakage changes its closure, or contacts that cannot break carry it",
-    "easy": "its copies agree and its contacts can break, which does not say that the error of its "
-    "numerics is small",
+    "hard": "the order of breakage changes its closure, its closure jumps, or contacts that cannot "
+    "break carry it",
+    "easy": "its copies agree, its closure hardly jumps and its contacts can break, which does not "
+    "say that the error of its numerics is small",
 }
 """Verdicts on a joint, the worst first, in words."""
 NEEDED_AS_FAILS = "needed: fails"
@@ -248,14 +249,17 @@ class Assessment:
                 f"stable: more than {100 * NOT_STABLE:.0f} %)"
             )
         else:
-            easy = features["spread"] <= 0.5 * self.within and share <= LARGEST_UNBREAKABLE_SHARE
+            agrees = features["spread"] <= 0.5 * self.within
+            jumps = features["largest_jump"] > self.within
+            easy = agrees and not jumps and share <= LARGEST_UNBREAKABLE_SHARE
             verdict = "easy" if easy else "hard"
             spreads = (f"{percent(x)} on cycle {n}" for n, x in spread_of(copies).items())
             reason = (
                 f"net closures of equal copies scatter by {', '.join(spreads)} (easy: "
                 f"{50 * self.within:.2g} %), {percent(share)} of its force is on contacts that "
                 f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), and the largest "
-                f"jump is {percent(features['largest_jump'])} of its closure"
+                f"jump is {percent(features['largest_jump'])} of its closure (easy: "
+                f"{100 * self.within:.2g} %)"
             )
         row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
         return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}

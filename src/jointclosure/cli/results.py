@@ -52,8 +52,6 @@ _REASONS = {
     ),
 }
 """Why the hydraulic aperture is 0, or only bounds of it are known, by status."""
-_FLAT = 0.1
-"""Change of an end of a band over stress, over that of the joint, below which it is one number."""
 _NO_RANGE_OF_LAWS = (
     "Barton-Bandis values have no range, because JRC and JCS are taken as exact and the law states "
     "no error"
@@ -92,7 +90,7 @@ def summary(
     remarks += _hyperbola_remarks(closed)
     if budget and laws.by_cycle:
         remarks.append(_NO_RANGE_OF_LAWS)
-    remarks += [*_overlap_remarks(closed), *_flat_aperture_remarks(curves)]
+    remarks += _overlap_remarks(closed)
     if history_of(closed).has_flow:
         remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
         remarks.append(_MEAN_OF_DIRECTIONS + (_NO_RANGE_OF_DIRECTIONS if budget else ""))
@@ -171,26 +169,6 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
             )
             remarks.append(caution(pressed))
     return remarks
-
-
-def _flat_aperture_remarks(curves: pd.DataFrame) -> list[str]:
-    """Explain an upper end of the aperture that is one number while the joint itself closes."""
-    name = "mean_aperture_mm"
-    upper = wider_columns_of(curves, name)[1:]
-    flat = {}
-    for cycle, rows in curves[curves.branch == LOADING].groupby("cycle") if upper else ():
-        known = rows.dropna(subset=[name, *upper])
-        aperture, highest = (known[column].to_numpy()[1:] for column in (name, *upper))
-        if known.shape[0] > 2 and np.ptp(highest) < _FLAT * np.ptp(aperture):
-            flat[cycle] = f"{significant(highest[-1], 2)} mm on cycle {cycle}"
-    if not flat:
-        return []
-    return [
-        "mean aperture: its upper end with other choices of the model is about the same at all "
-        f"stresses ({', '.join(flat.values())}). It is a limit for each stress, and not the curve "
-        "of a joint: half the grid spacing is not simulated, but counts as the opposite factor of "
-        "twice the spacing, which grows with stress as much as the aperture falls"
-    ]
 
 
 def named_table(

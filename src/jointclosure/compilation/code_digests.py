@@ -12,15 +12,14 @@ import copy
 import hashlib
 import json
 import os
-import stat
 import sys
-import tempfile
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeGuard
 
-PACKAGE = Path(__file__).parents[1]  # folder of jointclosure
+from jointclosure.compilation.cache_folder import PACKAGE, cache_root
+
 ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
 """Folders of the packages whose code counts; that of studies exists in a clone only."""
 SHOWN_BY = {"entry": "studies/paper/report/content.py"}
@@ -75,7 +74,7 @@ def _code_digest(*names: str, titles: bool) -> str:
             files |= {file for part in used for file in _imported_files(part)}
         else:
             files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
-    files = closure(files)
+    files = with_imports(files)
     unseen = frozenset(
         call for call, shows in SHOWN_BY.items() if _path_of_name(shows) not in files
     )
@@ -93,42 +92,6 @@ def package_digest() -> str:
     return code_digest(*(_module_name(file) for file in ROOTS["jointclosure"].rglob("*.py")))
 
 
-def cache_root() -> Path:
-    """Return the folder of compiled kernels and of digests."""
-    if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
-        return Path(chosen)
-    beside = PACKAGE / "__pycache__"
-    if os.access(beside if beside.exists() else PACKAGE, os.W_OK):
-        return beside
-    if chosen := os.environ.get("XDG_CACHE_HOME"):
-        return Path(chosen) / "jointclosure"
-    return Path.home() / ".cache" / "jointclosure" if has_home() else temporary_cache()
-
-
-def has_home() -> bool:
-    """Return whether the user has a home folder: HOME is set, or the list of users has one.
-
-    Many containers have neither.
-    """
-    try:
-        return bool(Path.home())
-    except RuntimeError:
-        return False
-
-
-@lru_cache(maxsize=None)
-def temporary_cache() -> Path:
-    """Return a folder for temporary files that no other user can write; a new one if need be."""
-    user = os.getuid() if hasattr(os, "getuid") else 0
-    folder = Path(tempfile.gettempdir()) / f"jointclosure-{user}"
-    with contextlib.suppress(OSError):
-        folder.mkdir(mode=0o700, exist_ok=True)
-        about = folder.lstat()  # machine code is loaded from it: a link may lead elsewhere
-        if stat.S_ISDIR(about.st_mode) and about.st_uid == user and not about.st_mode & 0o022:
-            return folder
-    return Path(tempfile.mkdtemp(prefix="jointclosure-"))
-
-
 @lru_cache(maxsize=None)
 def raw_digest() -> str:
     """Return the digest of the bytes of all modules of the packages in `ROOTS`."""
@@ -140,7 +103,7 @@ def raw_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def closure(files: set[Path]) -> set[Path]:
+def with_imports(files: set[Path]) -> set[Path]:
     """Return files and all files of the package that they import, directly or indirectly."""
     files_found: set[Path] = set()
     waiting = set(files)

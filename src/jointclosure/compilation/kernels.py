@@ -29,7 +29,8 @@ from numba.core.caching import (
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 
-from jointclosure.compilation.code_digests import PACKAGE, cache_root, code_digest
+from jointclosure.compilation.cache_folder import PACKAGE, cache_root
+from jointclosure.compilation.code_digests import code_digest
 
 SHIPPED = PACKAGE / "compiled"
 """Machine code in the package, made by ``python -m jointclosure.joint.warmup ship``."""

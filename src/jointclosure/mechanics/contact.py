@@ -97,7 +97,7 @@ def force_of_overlap(overlap, substrate, asperity):
     terms are upper bounds; Newton's method converges monotonically from there, in at most five
     steps.
     """
-    t, exact = root_bound(overlap, substrate, asperity, 0.0)
+    t, exact = bound_by_terms(overlap, substrate, asperity)
     for _ in range(MOST_ROOT_STEPS):
         if exact:
             break
@@ -106,24 +106,30 @@ def force_of_overlap(overlap, substrate, asperity):
 
 
 @kernel
-def root_bound(overlap, substrate, asperity, guess):
+def bound_by_terms(overlap, substrate, asperity):
     """Return an upper bound of F^(1/3), and whether it is the root.
 
-    The bound is one Newton step from ``guess``, an estimate of the root or 0. If that step is long,
-    or there is no guess, the bound is the root with one of the two terms alone.
+    It is the root with one of the two terms alone.
     """
     if not overlap > 0.0:
         return 0.0, True
-    if guess > 0.0 and asperity > 0.0:
-        t = newton_root(overlap, substrate, asperity, guess)
-        if 0.75 * guess < t < 2.0 * guess:
-            return t, False
     if asperity == 0.0:
         return (cube_root(overlap / substrate) if substrate > 0.0 else math.inf), True
     t = math.sqrt(overlap / asperity)
     if substrate * t * t * t > overlap:
         t = cube_root(overlap / substrate)  # the smaller of both bounds
     return t, substrate == 0.0
+
+
+@kernel
+def bound_by_guess(overlap, substrate, asperity, guess):
+    """Return an upper bound of F^(1/3), one Newton step from ``guess``, and whether it is one.
+
+    It is none if there is no guess (0), the step is long, or asperities are rigid.
+    """
+    t = newton_root(overlap, substrate, asperity, guess)
+    near = (guess > 0.0) & (asperity > 0.0) & (0.75 * guess < t) & (t < 2.0 * guess)
+    return t, near
 
 
 @kernel
@@ -145,6 +151,8 @@ def shorter_root(overlap, substrate, asperity, t):
 @kernel
 def force_of_root(t, substrate, asperity):
     """Return the force [N] and its slope [N/m] for t = F^(1/3), see `force_of_overlap`."""
-    if t == 0.0 or t == math.inf:
-        return t, t
-    return t * t * t, 3.0 * t / (3.0 * substrate * t + 2.0 * asperity)
+    # selections and not branches, so that loops over many contacts are vector code
+    force = t * t * t
+    slope = 3.0 * t / (3.0 * substrate * t + 2.0 * asperity)
+    either = (t == 0.0) | (t == math.inf)
+    return (t if either else force), (t if either else slope)

@@ -7,7 +7,7 @@ import os
 
 import lazy_loader
 
-from jointclosure.compilation.code_digests import has_home, temporary_cache
+from jointclosure.compilation.cache_folder import has_home, temporary_cache
 from jointclosure.inputs.extras import needs
 
 if not has_home():  # without a home matplotlib does not start

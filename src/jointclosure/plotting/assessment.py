@@ -83,8 +83,5 @@ def draw_effects(
     high = max(ends.max(initial=0.0), within)
     for place, name in enumerate(names):
         if not without.value_percent[without.variant == name].notna().any():
-            axes.annotate(
-                "fails", (0.02, place), xycoords=("axes fraction", "data"), color="0.4",
-                va="center", fontsize="small",
-            )  # fmt: skip
+            axes.text(0.0, place, "fails", color="0.3", ha="center", va="center", fontsize="small")
     return percent_ticks(axes.xaxis, within, 1.4 * low, 1.4 * high)

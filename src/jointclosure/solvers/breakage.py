@@ -538,7 +538,7 @@ def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside, c
 
 
 @kernel
-def add_changes(batch, i, cell, cells, walls, broken, count):
+def add_changes_of_walls(batch, i, cell, cells, walls, broken, count):
     """Add what pair i has changed to the new walls (2, cells), and list its cell as broken.
 
     Return the number of broken cells. Changes are added because pairs that break together may share
@@ -566,7 +566,7 @@ def take_out_resting(batch, n, some, cells, walls, broken, count):
         if batch.breaks[i] > 0.0:
             i += 1
             continue
-        count = add_changes(batch, i, some[i], cells, walls, broken, count)
+        count = add_changes_of_walls(batch, i, some[i], cells, walls, broken, count)
         n -= 1
         if i < n:
             copy_pair(batch, n, i)
@@ -753,7 +753,9 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool, bounded: b
                     shed_losses(batch, wide, LOWER, tie_tolerance, gouge)
                 if resolved:
                     for i in range(n):
-                        broken = add_changes(batch, i, some[i], cells, following, taken, broken)
+                        broken = add_changes_of_walls(
+                            batch, i, some[i], cells, following, taken, broken
+                        )
                 else:
                     write_back(
                         batch, n, some, breaking > 0, cells, turns, space.holds_to, beside, colour

@@ -12,7 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
-from jointclosure.solvers.interaction_operator import Influence, add_multiple, single_product
+from jointclosure.solvers.interaction_operator import (
+    Influence,
+    add_scaled_displacements,
+    single_product,
+)
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 
 MOST_CONJUGATE_GRADIENT_STEPS = 1000  # of one Newton direction, which then is what was reached
@@ -69,7 +73,7 @@ def newton_direction(
         normal = weight / size
         solution = normal * (shortfall / size)
         product, unit = single_product(influence, matrix, cells, weight * solution)
-        add_multiple(influence, matrix, 1.0, product, unit, displacement)
+        add_scaled_displacements(influence, matrix, 1.0, product, unit, displacement)
         rest -= solution + weight * product
         used += 1
     # the shift removes the part of the residual along the normal
@@ -89,7 +93,7 @@ def newton_direction(
         for i in range(n):
             image[i] = search[i] + weight[i] * product[i]
         length = square / inner(search, image)
-        add_multiple(influence, matrix, length, product, unit, displacement)
+        add_scaled_displacements(influence, matrix, length, product, unit, displacement)
         along = inner(normal, image)
         for i in range(n):
             solution[i] += length * search[i]
@@ -111,12 +115,15 @@ def newton_direction(
 @kernel
 def scaled_steps(step, secant):
     """Return weights W = D^(-1/2) (n,) and scaled steps W^-1 step (n,), 0 for open contacts."""
-    weight = np.zeros(step.size)
-    scaled = np.zeros(step.size)
+    weight = np.empty(step.size)
+    scaled = np.empty(step.size)
     for i in range(step.size):
-        if secant[i] < np.inf:
-            weight[i] = 1.0 / np.sqrt(secant[i])
-            scaled[i] = step[i] / weight[i]
+        of_contact = 1.0 / np.sqrt(secant[i])
+        step_of_contact = step[i] / of_contact
+        # selections and not branches, so that this is vector code
+        touches = secant[i] < np.inf
+        weight[i] = of_contact if touches else 0.0
+        scaled[i] = step_of_contact if touches else 0.0
     return weight, scaled
 
 
@@ -201,9 +208,10 @@ def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
             m += 1
     contact = contact[:m]
     patch = patch[:m]
+    norm = np.sqrt(square)
     share = np.empty(m)
     for k in range(m):
-        share[k] = weight[contact[k]] / np.sqrt(square[patch[k]])
+        share[k] = weight[contact[k]] / norm[patch[k]]
     return Shares(contact, patch, share)
 
 

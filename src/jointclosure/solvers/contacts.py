@@ -7,14 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation.kernels import kernel
+from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.mechanics.contact import (
     MOST_ROOT_STEPS,
+    bound_by_guess,
+    bound_by_terms,
     cube_root,
     force_of_overlap,
     force_of_root,
     overlap_of_force,
-    root_bound,
     shorter_root,
 )
 
@@ -29,7 +30,7 @@ class Contacts(NamedTuple):
     substrate: float  # compliance A [m/N]
 
 
-@kernel
+@large_kernel
 def contact_roots(contacts, overlap, guess):
     """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none.
 
@@ -38,21 +39,28 @@ def contact_roots(contacts, overlap, guess):
     """
     n = overlap.size
     substrate = contacts.substrate
-    root = np.empty(n)
-    unsolved = np.empty(n, np.int64)
-    sought = np.empty(n)
-    compliance = np.empty(n)
-    bound = np.empty(n)
-    left = np.ones(n)
+    root = np.zeros(n)
+    pressed = np.empty(n, np.int64)
     m = 0
     for i in range(n):
-        root[i], exact = root_bound(overlap[i], substrate, contacts.compliance[i], guess[i])
-        if not exact:
-            unsolved[m] = i
-            sought[m] = overlap[i]
-            compliance[m] = contacts.compliance[i]
-            bound[m] = root[i]
-            m += 1
+        pressed[m] = i
+        m += overlap[i] > 0.0  # without a branch, because it would be unpredictable
+    sought = np.empty(m)
+    compliance = np.empty(m)
+    start = np.empty(m)
+    for k in range(m):
+        sought[k] = overlap[pressed[k]]
+        compliance[k] = contacts.compliance[pressed[k]]
+        start[k] = guess[pressed[k]]
+    bound = np.empty(m)
+    left = np.empty(m)
+    for k in range(m):
+        bound[k], near = bound_by_guess(sought[k], substrate, compliance[k], start[k])
+        left[k] = 1.0 if near else 0.0
+    for k in range(m):
+        if left[k] == 0.0:
+            bound[k], exact = bound_by_terms(sought[k], substrate, compliance[k])
+            left[k] = 0.0 if exact else 1.0
     for _ in range(MOST_ROOT_STEPS):
         number = 0.0
         for k in range(m):
@@ -64,7 +72,7 @@ def contact_roots(contacts, overlap, guess):
         if number == 0.0:
             break
     for k in range(m):
-        root[unsolved[k]] = bound[k]
+        root[pressed[k]] = bound[k]
     return root
 
 
@@ -76,35 +84,36 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
     overlap over that of its force, from F to G. For equal forces it is the tangent, and infinite
     for an open contact. Return sum |F - G| and sum G [N].
     """
-    difference = 0.0
-    total = 0.0
+    n = force.size
     substrate = contacts.substrate
     overlaps = contacts.overlap + shift - elastic_displacement
-    present_root = np.zeros(force.size)
-    for i in range(force.size):
-        if force[i] > 0.0:
-            present_root[i] = cube_root(force[i])
+    # selections and not branches, so that loops are vector code
+    present_root = np.empty(n)
+    for i in range(n):
+        root = cube_root(force[i])
+        present_root[i] = root if force[i] > 0.0 else 0.0
     roots = contact_roots(contacts, overlaps, present_root)
-    for i in range(force.size):
-        overlap = overlaps[i]
-        compliance = contacts.compliance[i]
+    slopes = np.empty(n)
+    for i in range(n):
+        answer[i], slopes[i] = force_of_root(roots[i], substrate, contacts.compliance[i])
+    for i in range(n):
+        if answer[i] > contacts.limit[i]:
+            answer[i] = contacts.limit[i]
+            slopes[i] = 0.0
+            overlaps[i] = overlap_of_force(answer[i], substrate, contacts.compliance[i])
+    for i in range(n):
         root = present_root[i]
-        new, slope = force_of_root(roots[i], substrate, compliance)
-        if new > contacts.limit[i]:
-            new = contacts.limit[i]
-            slope = 0.0
-            overlap = overlap_of_force(new, substrate, compliance)
-        answer[i] = new
-        step = new - force[i]
-        difference += abs(step)
-        total += new
-        if abs(step) > 1e-7 * force[i]:
-            present = (substrate * root + compliance) * root * root
-            secant[i] = (overlap - present) / step
-        elif slope > 0.0:
-            secant[i] = 1.0 / slope
-        else:
-            secant[i] = np.inf
+        step = answer[i] - force[i]
+        present = (substrate * root + contacts.compliance[i]) * root * root
+        of_step = (overlaps[i] - present) / step
+        tangent = 1.0 / slopes[i]
+        tangent = tangent if slopes[i] > 0.0 else np.inf
+        secant[i] = of_step if abs(step) > 1e-7 * force[i] else tangent
+    difference = 0.0
+    total = 0.0
+    for i in range(n):
+        difference += abs(answer[i] - force[i])
+        total += answer[i]
     return difference, total
 
 
@@ -201,17 +210,47 @@ def unlimited(cells, overlap, compliance, substrate):
 
 
 @kernel
+def contacts_among(contacts, slot, cells):
+    """Return contacts (n,) extended to cells (m,); ``slot`` (n,) are their indices among these.
+
+    Cells that are not in contact have a negative overlap.
+    """
+    overlap = np.full(cells.size, -1.0)
+    compliance = np.ones(cells.size)
+    limit = np.full(cells.size, np.inf)
+    for i in range(slot.size):
+        overlap[slot[i]] = contacts.overlap[i]
+        compliance[slot[i]] = contacts.compliance[i]
+        limit[slot[i]] = contacts.limit[i]
+    return Contacts(cells, overlap, compliance, limit, contacts.substrate)
+
+
+@kernel
 def start_forces(force, cells, overlap):
     """Return the values of ``force`` (y, x) [N] at cells (n,).
 
     A negative force, and that of a cell whose walls are apart, is 0.
     """
-    start = np.zeros(cells.size)
+    start = np.empty(cells.size)
     flat = force.ravel()
     for i in range(cells.size):
-        if overlap[i] > 0.0 and flat[cells[i]] > 0.0:
-            start[i] = flat[cells[i]]
+        present = flat[cells[i]]
+        start[i] = present if (overlap[i] > 0.0) & (present > 0.0) else 0.0
     return start
+
+
+@kernel
+def counts_of_forces(force, locked):
+    """Return the least force (y, x) [N], the number of cells that carry one, and of locked ones."""
+    least = np.inf
+    loaded = 0
+    loaded_locked = 0
+    for y in range(force.shape[0]):
+        for x in range(force.shape[1]):
+            least = min(least, force[y, x])
+            loaded += force[y, x] != 0.0
+            loaded_locked += locked[y, x] and force[y, x] > 0.0
+    return least, loaded, loaded_locked
 
 
 @kernel
@@ -220,14 +259,16 @@ def usable_start(force, field):
 
     The interaction is ``field`` (y, x), or has no rows if it is not finite or a force was replaced.
     """
-    usable = np.zeros(force.size)
-    as_given = True
+    usable = np.empty(force.size)
+    changed = 0
     for i in range(force.size):
-        if 0.0 < force[i] < np.inf:
-            usable[i] = force[i]
-        as_given = as_given and usable[i] == force[i]
-    as_given = as_given and np.isfinite(field.sum())
-    return usable, field[: field.shape[0] if as_given else 0]
+        given = force[i]
+        usable[i] = given if (given > 0.0) & (given < np.inf) else 0.0
+        changed += usable[i] != given
+    for row in field:
+        for x in range(row.size):
+            changed += not (abs(row[x]) < np.inf)
+    return usable, field[: field.shape[0] if changed == 0 else 0]
 
 
 @kernel

@@ -185,7 +185,7 @@ class Neighbours:
         self.cells = np.concatenate([self.cells, new])
         self._place = np.concatenate([self._place, places(new, self._table.shape[1])])
         if n > self.matrix.shape[0]:
-            room = int(1.3 * n) // 8 * 8 + 8
+            room = 2 * n // 8 * 8 + 8
             larger = np.empty((room, room))
             larger[:known, :known] = self.matrix[:known, :known]
             self.matrix = larger
@@ -293,7 +293,7 @@ def single_product(influence, matrix, cells, values):
 
 
 @kernel
-def add_multiple(influence, matrix, part, product, unit, displacement):
+def add_scaled_displacements(influence, matrix, part, product, unit, displacement):
     """Add a multiple ``part`` of the last `single_product` to displacements [m].
 
     ``product`` and ``unit`` are what it returned; displacements are those of `Iterate.field`.
@@ -326,7 +326,7 @@ def add_displacements(influence, matrix, cells, force, displacement):
         return False
     if acting.size > FEW_FORCES:
         product, unit = single_product(influence, matrix, cells[acting], force[acting])
-        add_multiple(influence, matrix, 1.0, product, unit, displacement)
+        add_scaled_displacements(influence, matrix, 1.0, product, unit, displacement)
         return True
     ny, nx = displacement.shape
     for j in acting:

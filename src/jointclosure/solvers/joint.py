@@ -13,7 +13,13 @@ from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.breakage import WorkSpace, work_space
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.conjugate_gradients import NO_COARSE_SPACE, CoarseSpace
-from jointclosure.solvers.contacts import Contacts, separate_equilibrium, unlimited
+from jointclosure.solvers.contacts import (
+    Contacts,
+    contacts_among,
+    counts_of_forces,
+    separate_equilibrium,
+    unlimited,
+)
 from jointclosure.solvers.interaction_operator import (
     Influence,
     Neighbours,
@@ -246,14 +252,7 @@ class Joint:
             return contacts, None
         near = self.neighbours
         slot = near.slots(contacts.cells)
-        n = near.cells.size
-        overlap = np.full(n, -1.0)
-        compliance = np.ones(n)
-        limit = np.full(n, np.inf)
-        overlap[slot] = contacts.overlap
-        compliance[slot] = contacts.compliance
-        limit[slot] = contacts.limit
-        return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
+        return contacts_among(contacts, slot, near.cells), near.matrix
 
     def space_for(self, contacts: int) -> CoarseSpace:
         """Return the coarse space, without patches if the number of contacts has changed a lot."""
@@ -299,17 +298,18 @@ class Joint:
         answer = separate_equilibrium(self.contacts(cells, overlap, compliance), 0.0)
         free = ~locked.ravel()[cells]
         misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())
+        least, loaded, loaded_locked = counts_of_forces(self.force, locked)
         return Settled(
             outcome=outcome,
             closure=closure,
             total_force=total,
-            least_force=float(self.force.min()),
-            contacts=int(np.count_nonzero(self.force)),
+            least_force=least,
+            contacts=loaded,
             mean_interaction=self.mean_interaction(),
             mean_overlap=float(np.maximum(overlap, 0.0).sum()) / self.upper.size,
             residual=misfit,
-            locked_contacts=int(np.count_nonzero(locked & (self.force > 0.0))),
-            locked_share=share * float(self.force[locked].sum()),
+            locked_contacts=loaded_locked,
+            locked_share=share * float(self.force[locked].sum()) if loaded_locked else 0.0,
             flat_share=share * self.force_on_flats(curvature[free], force[free]),
             effort=effort,
         )

@@ -10,7 +10,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from jointclosure.compilation.code_digests import PACKAGE, package_digest
+from jointclosure.compilation.cache_folder import PACKAGE
+from jointclosure.compilation.code_digests import package_digest
 from jointclosure.storage.files import write_text
 
 

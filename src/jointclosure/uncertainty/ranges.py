@@ -10,7 +10,8 @@ positive results are those of logarithms, those of a share are those of its odds
 the joint itself.
 
 Choices of the model, such as the grid spacing, hold for all joints. Each is changed alone; their
-effects are added in the wider range with other choices, centred on the usual ones.
+effects are added in the wider range with other choices, centred on the usual ones. Half of the
+spacing is not simulated: its change is taken as opposite to that by twice the spacing.
 
 The share of a source is its total index: the part of the variance that it takes part in, alone or
 together with others (Homma & Saltelli 1996). Variances of random sources are those among their
@@ -39,11 +40,13 @@ from jointclosure.uncertainty.results import (
     QUANTITIES,
     STIFFNESS,
 )
-from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, Source
+from jointclosure.uncertainty.sources import ALL, MULTIPLE, ORDER, SHARED, Source
 
 _ALMOST_ALL = 1.0 - 1e-6  # largest share of cells in contact whose odds are used
 OUTSIDE = 0.05  # probability of a result below the range, and of one above it
-WIDENED = {"aperture": 1.6, "hydraulic": 1.6, "contact": 1.6}
+APERTURES = ("aperture", "hydraulic")
+"""Words of the names of results that are apertures."""
+WIDENED = dict.fromkeys((*APERTURES, "contact"), 1.6)
 """Factors of the width of ranges of apertures and contact, by a word of the name of the result.
 Nine in ten of 34 pairs of known truth (seeds 2000 to 2042 of benchmarks/range_coverage.py) needed
 them, because the sources do not contain all effects of noise and interpolation on cells that just
@@ -78,7 +81,6 @@ def ranges_of(
                 touching = of_quantity.clip(upper=_ALMOST_ALL)
                 of_quantity = touching / (1.0 - touching)
             values = of_quantity.groupby(of_cycle.source).apply(np.array).to_dict()
-            widened = widening_of(quantity)
             # the gross closure has that of the net one besides an indentation that is known well
             limited = CLOSURE_NET if quantity == CLOSURE_GROSS else quantity
             error = limits.get((int(cycle), limited), 0.0)
@@ -86,7 +88,7 @@ def ranges_of(
                 best = of_cycle[of_cycle.source == ""].iloc[0]
                 error *= min(best[limited] / best[quantity], 1.0)
             rows[cycle, quantity] = _range_of(
-                values, sources, shares, further, widened=widened, error=error
+                values, sources, shares, further, quantity, error=error
             )
         share = rows[cycle, CONTACT]
         share.update({end: share[end] / (1.0 + share[end]) for end in NUMBERS[1:]})
@@ -109,15 +111,15 @@ def _range_of(
     sources: Mapping[str, Source],
     shares: np.ndarray,
     further: np.ndarray,
+    quantity: str,
     least: float | None = None,
-    widened: float = 1.0,
     error: float = 0.0,
 ) -> dict[str, float]:
     """Return a row of `Budget.ranges` from the results of the variants of each source.
 
-    ``shares`` and ``further`` are as for `ranges_of`. Changes are factors if the ``least`` result,
-    by default of the variants, is positive. Ranges are ``widened`` about the joint by a factor, and
-    contain its numerical ``error`` [1].
+    ``shares`` and ``further`` are as for `ranges_of`; ``quantity`` is the name of the result.
+    Changes are factors if the ``least`` result, by default of the variants, is positive. Ranges are
+    widened about the joint (`widening_of`), and contain its numerical ``error`` [1].
     """
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
@@ -129,6 +131,9 @@ def _range_of(
     changes = {}
     for name, of_source in values.items():
         from_here = best if name == shared or np.isnan(by_shared) else by_shared
+        if name in sources and sources[name].kind == MULTIPLE:
+            inverse = _by_inverse_multiple(from_here, of_source[0], factors, quantity)
+            of_source = np.append(inverse, of_source)
         changes[name] = np.log(of_source / from_here) if factors else of_source - from_here
     drawn = changes.pop(ALL)
     expected, of_further = (
@@ -146,7 +151,9 @@ def _range_of(
     of_range = slope * _sum(of_further, sources, True) + further_departures
     wider = of_range + _sum(of_further, sources, False)
     ends = np.quantile([of_range, wider], [OUTSIDE, 1.0 - OUTSIDE], axis=1).T
-    ends = widened * np.column_stack([np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)])
+    ends = widening_of(quantity) * np.column_stack(
+        [np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)]
+    )
     if error > 0.0:
         above = np.log1p(error) if factors else error * abs(best)
         below = -above
@@ -162,6 +169,20 @@ def _range_of(
     row = dict(zip(NUMBERS, (best, *numbers), strict=True))
     fixed = {n for n, source in sources.items() if source.kind == SHARED or not source.varied}
     return row | total_indices(variances, random, float(departures.var()), fixed)
+
+
+def _by_inverse_multiple(best: float, by_multiple: float, factors: bool, quantity: str) -> float:
+    """Return the result that is expected with the inverse of a multiple, which is not simulated.
+
+    The change is opposite to that by the multiple. That of an aperture is a difference, as an
+    aperture is that at seating less the net closure, and no factor limits it; others are factors
+    (``factors``) or differences.
+    """
+    opposite = 2.0 * best - by_multiple
+    is_aperture = any(word in quantity for word in APERTURES)
+    if not factors or (is_aperture and opposite > 0.0):
+        return opposite
+    return best**2 / by_multiple
 
 
 @lru_cache
@@ -221,11 +242,10 @@ def bands_of(
             if name == "hydraulic_aperture_mm":  # quantiles of those with a known flow mislead
                 known &= row["flow_status"] not in ONLY_BOUNDS
             smallest = least[stress > curves.normal_stress_MPa.min()][name]
-            widened = widening_of(name)
             error = limits.get((int(cycle), _LIMIT_OF_BAND.get(name, "")), 0.0)
             numbers = {}
             if known:
-                numbers = _range_of(values, sources, shares, further, smallest, widened, error)
+                numbers = _range_of(values, sources, shares, further, name, smallest, error)
             for number in ends:
                 row[f"{name}_{number}"] = numbers.get(number, np.nan)
         rows.append(row)

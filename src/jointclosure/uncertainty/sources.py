@@ -45,8 +45,8 @@ VARIED = {name: key_of(name) for name in OF_ROCK} | {
 """Sources whose range can be stated, and their keys with units."""
 ALL = "all together"  # source of the variants in which all sources have random values
 MULTIPLE = "multiple"
-"""Kind of a source with the value of the joint, a multiple of it, or its inverse, whose change is
-opposite."""
+"""Kind of a source with the value of the joint, a multiple of it, or its inverse. Its changes are
+those by the inverse, which is not simulated, and by the multiple."""
 SHARED = "shared"  # kind of a source whose second value all variants have
 
 
@@ -84,7 +84,7 @@ class Source(NamedTuple):
         if self.kind == SHARED:  # the error may as well have the other sign
             return (2.0 * shares - 1.0) * changes[0]
         if self.kind == MULTIPLE:
-            return np.array([-changes[0], 0.0, changes[0]])[(3.0 * shares).astype(int)]
+            return np.array([changes[0], 0.0, changes[1]])[(3.0 * shares).astype(int)]
         return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
 
 

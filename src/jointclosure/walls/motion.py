@@ -294,7 +294,9 @@ def compare_rotations(
 ) -> list[SlopeFit]:
     """Return the best fit at each rotation and orientation of the upper wall, the best one first.
 
-    There are ``blocks`` along the shorter side. Raise `InputError` if a comparison has too few
+    There are ``blocks`` along the shorter side. Orientations change signs of x, y and z. Those of
+    one plan differ by the sign of the heights, and correlate by opposite numbers, so that only two
+    plans are compared: as scanned, and mirrored. Raise `InputError` if a comparison has too few
     heights.
     """
     cells = max(min(*upper.heights.shape, *lower.heights.shape) // blocks, 1)
@@ -304,21 +306,40 @@ def compare_rotations(
     y, x = np.indices((side, side)) - 0.5 * (side - 1)
     offset = 0.5 * (np.array(fixed.shape) - 1.0) - 0.5 * (side - 1)
     correlations = slope_correlations(fixed, (side, side), LEAST_OVERLAP)
-    fits = []
-    for (name, flip), angle in itertools.product(
-        orientations.items(), np.arange(0.0, 360.0, ROTATION_STEP)
-    ):
-        turn = _rotation_matrix(0.0, 0.0, math.radians(angle)) @ flip
+    plans = {
+        _is_mirrored(flip): np.diag([1.0, flip[0, 0] * flip[1, 1], 1.0])
+        for flip in orientations.values()
+    }
+    angles = np.arange(0.0, 360.0, ROTATION_STEP)
+    fits = {}
+    for (mirrored, plan), angle in itertools.product(plans.items(), angles):
+        turn = _rotation_matrix(0.0, 0.0, math.radians(angle)) @ plan
         places = [turn[0, k] * x + turn[1, k] * y + 0.5 * (bare.shape[1 - k] - 1) for k in (1, 0)]
-        moved = flip[2, 2] * scipy.ndimage.map_coordinates(bare, places, order=1, cval=np.nan)
+        moved = scipy.ndimage.map_coordinates(bare, places, order=1, cval=np.nan)
         over = correlations(moved)
         if not np.isfinite(over).any():
             raise InputError("the scans have too few heights for a comparison")
-        place = np.unravel_index(int(np.nanargmax(over)), over.shape)
-        shift = [i - n if i > n // 2 else i for i, n in zip(place, over.shape, strict=True)]
-        between = cells * upper.spacing * (np.array(shift, float) - offset)
-        fits.append(SlopeFit(name, float(over[place]), float(angle), between[::-1]))
-    return sorted(fits, key=lambda fit: -fit.correlation)
+        for name, flip in orientations.items():
+            if _is_mirrored(flip) == mirrored:
+                correlation, shift = _best_shift(flip[2, 2] * over)
+                # a wall mirrored along x is one mirrored along y that is turned by half a circle
+                turned = float(angle + (180.0 if flip[0, 0] < 0.0 else 0.0)) % 360.0
+                between = cells * upper.spacing * (shift - offset)
+                fits[name, turned] = SlopeFit(name, correlation, turned, between[::-1])
+    in_order = [fits[place] for place in itertools.product(orientations, angles)]
+    return sorted(in_order, key=lambda fit: -fit.correlation)
+
+
+def _is_mirrored(flip: np.ndarray) -> bool:
+    """Return whether a matrix (3, 3) that changes signs of axes mirrors the plan (x, y)."""
+    return bool(flip[0, 0] * flip[1, 1] < 0.0)
+
+
+def _best_shift(correlations: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return the largest of `slope_correlations` (y, x), and its shift (2,) in cells."""
+    place = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
+    shift = [i - n if i > n // 2 else i for i, n in zip(place, correlations.shape, strict=True)]
+    return float(correlations[place]), np.array(shift, float)
 
 
 def refined_motion(upper: Surface, lower: Surface, flip: np.ndarray, fit: SlopeFit) -> Motion:

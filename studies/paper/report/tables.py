@@ -166,7 +166,7 @@ def _with_errors(table: pd.DataFrame, shown: Callable, *names: str) -> pd.DataFr
     return table.assign(**cells)
 
 
-def tested(joint: pd.DataFrame) -> pd.DataFrame:
+def with_errors_of_joint_tests(joint: pd.DataFrame) -> pd.DataFrame:
     """Add texts of numbers with their errors to the table of joint tests."""
     table = _with_errors(joint, probability, "p", "null_p")
     likelihoods = ("log_likelihood", "null_log_likelihood")
@@ -301,7 +301,7 @@ _PREPARED: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "conclusions": concluded,
     "hydraulic_aperture": flow,
     "measured_fit": pd.DataFrame,
-    "table_3_joint_tests": tested,
+    "table_3_joint_tests": with_errors_of_joint_tests,
     "elasticities": pd.DataFrame,
     "accuracy_reached": lambda table: table.assign(
         quantity=[ASSESSED.get(name, name.replace("_", " ")) for name in table.quantity]

@@ -26,7 +26,7 @@ def read_mesh(path: Path, variable: str | None = None) -> Contents:
     form = path.suffix.lower().removeprefix(".")
     vertices, faces, declared = _read_obj(path) if form == "obj" else _read_by_trimesh(path, form)
     header = read_header(_comments(path, form))
-    vertices = vertices[:, _coordinate_order(variable)]
+    vertices = vertices[:, _columns_of_x_y_z(variable)]
     count = len(vertices)
     if declared > count:
         contained = f"declares {declared} vertices, and contains {count}"
@@ -45,7 +45,7 @@ def read_mesh(path: Path, variable: str | None = None) -> Contents:
     return contents
 
 
-def _coordinate_order(variable: str | None) -> list[int]:
+def _columns_of_x_y_z(variable: str | None) -> list[int]:
     """Return the indices of x, y and z among the coordinates of the vertices of a mesh.
 
     ``variable`` states their order, such as "z,x,y".
