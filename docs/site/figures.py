@@ -16,7 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 import jointclosure as jc
+from jointclosure.joint.history import history_of
+from jointclosure.parameters import RESOLVED
 from jointclosure.plotting.assessment import assessment_figure
+from jointclosure.uncertainty.variants import COPIES
 from studies.frame.tables import since_seating
 
 # isort: split
@@ -241,6 +244,35 @@ def _band(axes: Axes, ensemble: xr.Dataset) -> None:
     axes.legend(frameon=False)
 
 
+def hard_joint() -> Figure:
+    """Draw the first loading of copies of a joint that should be equal, at two stresses.
+
+    At the lower stress the joint is hard, at the higher one easy.
+    """
+    upper, lower = jc.wall_pair(jrc=8, shape=(64, 64), spacing=0.25e-3, seed=1)
+    rock = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
+    load = {"spacing": 0.25e-3, "rock": rock, "cycles": 1, "numerics": RESOLVED}
+    figure, panels = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained")
+    for axes, stress in zip(panels, (1e6, 30e6), strict=True):
+        largest = []
+        for (name, copy), style in zip(COPIES.items(), ("-", "--", "-.", ":"), strict=True):
+            joint = jc.simulate(copy(upper), copy(lower), max_normal_stress=stress, **load)
+            loading = joint.isel(step=joint.branch.values == "loading")
+            net = 1e3 * (loading.closure - loading.bulk_indentation)
+            shown = loading.normal_stress.values >= 0.1 * stress
+            axes.plot(net[shown], 1e-6 * loading.normal_stress[shown], style, label=name)
+            seated = history_of(joint).net.cycle_closures()["max_closure_seated"]
+            largest.append(float(seated[0]))
+        scatter = 100.0 * np.std(largest, ddof=1) / np.mean(largest)
+        axes.set_title(f"to {1e-6 * stress:g} MPa: net closures scatter by {scatter:.2g} %")
+        axes.set(xlabel="net closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0)
+        axes.locator_params(axis="x", nbins=5)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
+                  frameon=False, title="copies of the walls")  # fmt: skip
+    return figure
+
+
 def main() -> None:
     """Write all pictures."""
     plt.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "diagrams"})
@@ -252,6 +284,7 @@ def main() -> None:
     for name, figure in diagrams.items():
         figure.savefig(IMAGES / f"{name}.svg", metadata={"Date": None}, facecolor="white")
     overview().savefig(IMAGES / "overview.png", dpi=110)
+    hard_joint().savefig(IMAGES / "hard_joint.png", dpi=110)
     assessment().savefig(IMAGES / "assessment.png", dpi=110)
     price_of_accuracy().savefig(IMAGES / "price_of_accuracy.png", dpi=110)
 
