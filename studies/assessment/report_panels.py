@@ -34,7 +34,7 @@ LINEAR = 10.0
 """Percentage up to which the axes of effects are linear."""
 _MARKS = "sD^vP"
 _PALE = {"alpha": 0.35}
-_NO_BAR = f"{TOO_FEW}: wider than ±{WIDEST:g} %"
+_NO_BAR = f"{TOO_FEW}: wider than ±{WIDEST:g} % about 0"
 _CLOSURES = {"change_percent": "net", "gross_percent": "gross"}
 """Names of closures by their columns."""
 _OFFSET = 1.05
@@ -105,7 +105,7 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
 def _half_width(row: Any, name: str = "change_percent") -> float:
     """Return half of the 95 % interval of a change [%]; 0, so no bar, if it is wider than shown."""
     half = getattr(row, f"{name}_high") - getattr(row, name)
-    return float(half) if half <= WIDEST else 0.0
+    return float(half) if np.isfinite(half) and not is_too_wide(row._asdict(), name) else 0.0
 
 
 def _is_pale(row: Any, name: str = "change_percent") -> bool:

@@ -353,6 +353,12 @@ def test_changes_of_too_few_joints_are_no_numbers_in_the_report(scattered_table)
     assert with_limits(pd.Series(known._asdict()), "change_percent") == "13 (-2 to 27)"
 
 
+def test_a_wide_interval_without_zero_is_a_number_in_the_report():
+    row = pd.Series({"change": 1200.0, "change_low": 900.0, "change_high": 1500.0})
+    assert with_limits(row, "change") == "1200 (900 to 1500)"
+    assert with_limits(row - 1200.0, "change") == TOO_FEW
+
+
 def test_changes_of_too_few_joints_have_no_bars(scattered_table):
     figure = effects_panel(scattered_table)
     net = figure.axes[0].containers[0]

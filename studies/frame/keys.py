@@ -437,9 +437,13 @@ def _allowed(error: dict) -> str:
         return "must contain keys and values"
     if kind == "string_pattern_mismatch":
         return f"must match {about['pattern']} (letters, digits and underscores)"
+    if kind in ("tuple_type", "list_type"):
+        return "must be a list of values, such as [1, 2]"
     allowed = re.sub(r"^\w+ should", "must", error["msg"])
     # 1e-3 is a text to YAML, 1.0e-3 is a number
     number = isinstance(value, str) and kind in ("float_type", "int_type")
+    if number and re.fullmatch(r"[-+]?[0-9]+,[0-9]+", value):
+        return f"{allowed}; the decimal sign is a point: write {value.replace(',', '.')}"
     match = number and re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", value)
     if not match:
         return allowed

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 WIDEST = 100.0
-"""Largest half-width of an interval [%] with which a change is shown: beyond, nothing is known."""
+"""Largest half-width of an interval [%] about 0 with which a change is shown: beyond, nothing is
+known."""
 TOO_FEW = "too few joints"
 """In place of a change whose interval is wider."""
 REFERENCE = "reference"
@@ -30,6 +31,10 @@ def verdict_of_cycles(rows: pd.DataFrame) -> str:
 
 
 def is_too_wide(row: Mapping[str, Any], name: str) -> bool:
-    """Return whether the interval of a change is wider than ±`WIDEST`; one joint has none."""
+    """Return whether the interval of a change contains 0 and is wider than ±`WIDEST`.
+
+    One joint has no interval.
+    """
     low, high = (row.get(f"{name}{end}", np.nan) for end in ("_low", "_high"))
-    return bool(np.isfinite([low, high]).all() and high - low > 2.0 * WIDEST)
+    known = np.isfinite([low, high]).all()
+    return bool(known and high - low > 2.0 * WIDEST and low <= 0.0 <= high)
