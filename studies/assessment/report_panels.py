@@ -168,7 +168,8 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     for axes in panels:
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.yaxis.set_minor_locator(NullLocator())
-    panels[0].set_yticks(range(len(names)), [name.removeprefix("without ") for name in names])
+    labels = [_effect_label(shown[shown.variant == name].iloc[0]) for name in names]
+    panels[0].set_yticks(range(len(names)), labels)
     figure.suptitle("Changes without each effect", fontsize=10)
     handles = [
         point_key(
@@ -183,6 +184,12 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     bars = "bars: 95 % interval of closure, ± standard error of time"
     title = "\n".join(filter(None, [scale, bars]))
     return _finished(figure, panels, handles, 2, title)
+
+
+def _effect_label(row: pd.Series) -> str:
+    """Return the name of an effect and below it the verdict on it, if its changes were measured."""
+    name = row.variant.removeprefix("without ")
+    return f"{name}:\n{row.verdict}" if np.isfinite(row.change_percent) else name
 
 
 @styled

@@ -370,7 +370,7 @@ def test_changes_of_too_few_joints_have_no_bars(scattered_table):
 def test_the_effects_panel_says_what_was_not_tested(effects_axes):
     left = effects_axes[0]
     names = [label.get_text() for label in left.get_yticklabels()]
-    assert names == ["interaction", "substrate", "gouge"]
+    assert names == ["interaction:\nneeded", "substrate", "gouge"]
     assert [text.get_text() for text in left.texts] == ["needed", "not tested"]
 
 
