@@ -277,6 +277,14 @@ def test_joints_are_easy_up_to_a_jump_of_the_request(jump, verdict):
     assert Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0] == verdict
 
 
+def test_an_effect_without_which_all_joints_fail_has_no_value():
+    closed = closures()
+    closed.loc[closed.variant == "without gouge", "status"] = 16
+    shown = str(Assessment(closed, LADDER, "middle", 0.05))
+    assert "no value" in shown
+    assert "nan" not in shown
+
+
 def test_a_scene_that_fails_without_an_effect_needs_it():
     closed = closures()
     assert Assessment(closed, LADDER, "middle", 0.05).verdict("without gouge") == "can be left out"

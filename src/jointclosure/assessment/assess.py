@@ -645,6 +645,8 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
 
 def percent_of(row: Any) -> str:
     """Format an interval of relative differences in percent, without the percent sign."""
+    if math.isnan(row.value):
+        return "no value"
     if not math.isfinite(row.low):
         return f"{float(f'{100 * row.value:.2g}'):+g}"
     ends = with_equal_decimals([100 * number for number in (row.value, row.low, row.high)])
