@@ -279,7 +279,7 @@ def test_joints_are_easy_up_to_a_jump_of_the_request(jump, verdict):
 
 def test_an_effect_without_which_all_joints_fail_has_no_value():
     closed = closures()
-    closed.loc[closed.variant == "without gouge", "status"] = 16
+    closed.loc[closed.variant == "without gouge", list(ASSESSED)] = np.nan
     shown = str(Assessment(closed, LADDER, "middle", 0.05))
     assert "no value" in shown
     assert "nan" not in shown
