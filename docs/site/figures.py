@@ -26,6 +26,7 @@ from studies.frame.tables import since_seating
 from templates import stored
 
 IMAGES = Path(__file__).parents[1] / "images"
+DOLERITE = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
 FILES, STEP, QUESTION = "#e8e8e8", "#dce9f5", "#fdf0d5"
 """Colours of boxes: files, steps or rules, decisions."""
 
@@ -133,8 +134,7 @@ def contact() -> Figure:
 
 def overview() -> Figure:
     """Draw a pair of walls, its aperture at the largest stress, and the closure of 20 pairs."""
-    rock = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
-    load = {"spacing": 0.25e-3, "rock": rock, "max_normal_stress": 10e6}
+    load = {"spacing": 0.25e-3, "rock": DOLERITE, "max_normal_stress": 10e6}
     upper, lower = _walls(0)
     joint = jc.simulate(upper, lower, **load, cycles=2, snapshots=[10e6])
     ensemble = jc.simulate_ensemble(_walls, seeds=range(20), **load)
@@ -250,19 +250,18 @@ def hard_joint() -> Figure:
     At the lower stress the joint is hard, at the higher one easy.
     """
     upper, lower = jc.wall_pair(jrc=8, shape=(64, 64), spacing=0.25e-3, seed=1)
-    rock = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
-    load = {"spacing": 0.25e-3, "rock": rock, "cycles": 1, "numerics": RESOLVED}
+    load = {"spacing": 0.25e-3, "rock": DOLERITE, "cycles": 1, "numerics": RESOLVED}
     figure, panels = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained")
     for axes, stress in zip(panels, (1e6, 30e6), strict=True):
         largest = []
         for (name, copy), style in zip(COPIES.items(), ("-", "--", "-.", ":"), strict=True):
             joint = jc.simulate(copy(upper), copy(lower), max_normal_stress=stress, **load)
-            loading = joint.isel(step=joint.branch.values == "loading")
-            net = 1e3 * (loading.closure - loading.bulk_indentation)
-            shown = loading.normal_stress.values >= 0.1 * stress
-            axes.plot(net[shown], 1e-6 * loading.normal_stress[shown], style, label=name)
-            seated = history_of(joint).net.cycle_closures()["max_closure_seated"]
-            largest.append(float(seated[0]))
+            history = history_of(joint)
+            steps = history.branch(1, "loading").steps
+            shown = steps[history.stress[steps] >= 0.1 * stress]
+            net = 1e3 * history.net.values[shown]
+            axes.plot(net, 1e-6 * history.stress[shown], style, label=name)
+            largest.append(float(history.net.cycle_closures()["max_closure_seated"][0]))
         scatter = 100.0 * np.std(largest, ddof=1) / np.mean(largest)
         axes.set_title(f"to {1e-6 * stress:g} MPa: net closures scatter by {scatter:.2g} %")
         axes.set(xlabel="net closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0)

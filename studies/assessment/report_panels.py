@@ -155,8 +155,8 @@ def effects_panel(table: pd.DataFrame) -> Figure:
         side: percent_ticks(axes.xaxis, LINEAR, 1.5 * min(of), 1.5 * max(of), narrow=True)
         for side, axes, of in (("left", left, ends), ("right", right, ends_of_time))
     }
-    for place, name in enumerate(names):
-        row = shown[shown.variant == name].iloc[0]
+    effects = [shown[shown.variant == name].iloc[0] for name in names]
+    for place, row in enumerate(effects):
         if row.state and not np.isfinite(row.change_percent):
             panels[0].annotate(
                 row.state, (0.04, place), xycoords=("axes fraction", "data"), va="center",
@@ -168,8 +168,7 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     for axes in panels:
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.yaxis.set_minor_locator(NullLocator())
-    labels = [_effect_label(shown[shown.variant == name].iloc[0]) for name in names]
-    panels[0].set_yticks(range(len(names)), labels)
+    panels[0].set_yticks(range(len(names)), map(_effect_label, effects))
     figure.suptitle("Changes without each effect", fontsize=10)
     handles = [
         point_key(

@@ -240,20 +240,6 @@ def start_forces(force, cells, overlap):
 
 
 @kernel
-def counts_of_forces(force, locked):
-    """Return the least force (y, x) [N], the number of cells that carry one, and of locked ones."""
-    least = np.inf
-    loaded = 0
-    loaded_locked = 0
-    for y in range(force.shape[0]):
-        for x in range(force.shape[1]):
-            least = min(least, force[y, x])
-            loaded += force[y, x] != 0.0
-            loaded_locked += locked[y, x] and force[y, x] > 0.0
-    return least, loaded, loaded_locked
-
-
-@kernel
 def usable_start(force, field):
     """Return a guess of forces (n,) [N], 0 where negative or not finite, and its interaction [m].
 

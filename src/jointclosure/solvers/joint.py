@@ -16,7 +16,6 @@ from jointclosure.solvers.conjugate_gradients import NO_COARSE_SPACE, CoarseSpac
 from jointclosure.solvers.contacts import (
     Contacts,
     contacts_among,
-    counts_of_forces,
     separate_equilibrium,
     unlimited,
 )
@@ -298,18 +297,17 @@ class Joint:
         answer = separate_equilibrium(self.contacts(cells, overlap, compliance), 0.0)
         free = ~locked.ravel()[cells]
         misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())
-        least, loaded, loaded_locked = counts_of_forces(self.force, locked)
         return Settled(
             outcome=outcome,
             closure=closure,
             total_force=total,
-            least_force=least,
-            contacts=loaded,
+            least_force=float(self.force.min()),
+            contacts=int(np.count_nonzero(self.force)),
             mean_interaction=self.mean_interaction(),
             mean_overlap=float(np.maximum(overlap, 0.0).sum()) / self.upper.size,
             residual=misfit,
-            locked_contacts=loaded_locked,
-            locked_share=share * float(self.force[locked].sum()) if loaded_locked else 0.0,
+            locked_contacts=int(np.count_nonzero(locked & (self.force > 0.0))),
+            locked_share=share * float(self.force[locked].sum()),
             flat_share=share * self.force_on_flats(curvature[free], force[free]),
             effort=effort,
         )

@@ -279,7 +279,7 @@ def _within_bounds(bands: pd.DataFrame) -> pd.DataFrame:
     """Return bands of which that of the hydraulic aperture ends within those of its bounds.
 
     The hydraulic aperture of a joint lies between its two bounds, whatever the inputs are. A change
-    as a factor that is assumed for a variant that was not simulated can exceed them.
+    that is assumed for a variant that was not simulated can exceed them.
     """
     limited = {}
     for bound, limit, sides in (
