@@ -14,6 +14,7 @@ from matplotlib.ticker import NullLocator
 
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
+from jointclosure.statistics.number_texts import percent
 from studies.assessment.report_tables import (
     ALL_ROCKS,
     EFFECTS,
@@ -37,6 +38,8 @@ _PALE = {"alpha": 0.35}
 _NO_BAR = f"{TOO_FEW}: wider than ±{WIDEST:g} % about 0"
 _CLOSURES = {"change_percent": "net", "gross_percent": "gross"}
 """Names of closures by their columns."""
+_LETTERS = 26
+"""Most letters of a line in a legend of two columns, so that it is not wider than the panel."""
 _OFFSET = 1.05
 """Ratio of the times at which markers of two cycles are drawn, so that they do not overlap."""
 
@@ -87,7 +90,7 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     axes.set_title("Error against time", fontsize=10)
     verdicts = {name: verdict_of_cycles(shown[shown.variant == name]) for name in variants}
     handles = [
-        point_key(f"{name}: {verdict}", marks[name], color="0.4", ms=5)
+        point_key(fill(f"{name}: {verdict}", _LETTERS), marks[name], color="0.4", ms=5)
         for name, verdict in verdicts.items()
     ]
     handles += [key(f"cycle {cycle}", color=f"C{cycle - 1}", lw=3) for cycle in cycles]
@@ -96,9 +99,9 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
         point_key("95 % interval", "|", color="0.4", ms=8),
     ]
     if any(_is_pale(row) for row in shown.itertuples()):
-        handles.append(point_key(_NO_BAR, "o", color="0.4", ms=5, **_PALE))
+        handles.append(point_key(fill(_NO_BAR, _LETTERS), "o", color="0.4", ms=5, **_PALE))
     joints = int(shown.joints.max())
-    title = f"By {joints} joints, within ±{limit:g} % (grey) in all cycles or beyond it in one:"
+    title = f"By {joints} joints, within ±{limit:g} % (grey)\nin all cycles or beyond it in one:"
     return _finished(figure, [axes], handles, title=title)
 
 
@@ -114,10 +117,11 @@ def _is_pale(row: Any, name: str = "change_percent") -> bool:
 
 
 @styled
-def effects_panel(table: pd.DataFrame) -> Figure:
+def effects_panel(table: pd.DataFrame, within: float) -> Figure:
     """Draw changes of mean closures and of the time without each effect, of `assessed_table`.
 
-    Marks of gross closure are hollow. Changes whose intervals are too wide are pale.
+    Marks of gross closure are hollow. Changes whose intervals are too wide are pale. A grey band
+    has the changes ``within`` the request [1].
     """
     shown = pooled(table[table.kind == EFFECTS])
     names = list(dict.fromkeys(shown.variant))
@@ -126,6 +130,8 @@ def effects_panel(table: pd.DataFrame) -> Figure:
     panels = [left, right]
     for axes in panels:
         axes.axvline(0.0, color="0.5", lw=0.8, zorder=1)
+    limit = 100.0 * within
+    left.axvspan(-limit, limit, color="0.9", lw=0.0, zorder=0)
     cycles = sorted(measured.cycle.unique())
     quantities = [name for name in ("change_percent", "gross_percent") if name in measured]
     marks = list(itertools.product(cycles, quantities))
@@ -179,8 +185,9 @@ def effects_panel(table: pd.DataFrame) -> Figure:
         )
         for cycle, name in marks
     ]
-    handles += [point_key(_NO_BAR, "o", color="0.4", ms=4, **_PALE)] if pale else []
-    bars = "bars: 95 % interval of closure, ± standard error of time"
+    if pale:
+        handles.append(point_key(fill(_NO_BAR, _LETTERS), "o", color="0.4", ms=4, **_PALE))
+    bars = f"bars: 95 % interval of closure (grey: within ±{limit:g} %),\n± standard error of time"
     title = "\n".join(filter(None, [scale, bars]))
     return _finished(figure, panels, handles, 2, title)
 
@@ -195,36 +202,43 @@ def _effect_label(row: pd.Series) -> str:
 def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     """Draw the worst pairs of walls of `studies.assessment.report_tables.hardness_table`.
 
-    A bar is the worst case of a pair of walls, and a line the range over all of its cases.
+    A bar is the force on contacts that cannot break in the worst case of a pair of walls, a line
+    its range over all cases of this pair, and a diamond the largest jump; all over their limits.
     """
     pairs = [rows for _, rows in table.groupby(["rock", "walls"], sort=False)][:WORST]
     worst = [next(rows.itertuples()) for rows in pairs]
     figure, axes = subplots(figsize=SIZE)
-    limit = 100.0 * LARGEST_UNBREAKABLE_SHARE
     rocks = list(titles)
-    values = [float(np.nan_to_num(row.unbreakable_percent)) for row in worst]
+    forces = np.nan_to_num([row.unbreakable_over_limit for row in worst])
+    jumps = np.nan_to_num([row.jump_over_limit for row in worst])
     colours = [f"C{rocks.index(row.rock)}" for row in worst]
-    axes.barh(range(len(worst)), values, color=colours, height=0.6)
-    axes.axvline(limit, color="0.3", ls="--", lw=1.0)
+    axes.barh(range(len(worst)), forces, color=colours, height=0.6)
+    axes.plot(jumps, range(len(worst)), "D", color="0.2", mfc="w", ms=5, clip_on=False)
+    axes.axvline(1.0, color="0.3", ls="--", lw=1.0)
     ends = []
     for place, (row, rows) in enumerate(zip(worst, pairs, strict=True)):
-        shares = rows.unbreakable_percent.fillna(0.0)
+        shares = rows.unbreakable_over_limit.fillna(0.0)
         if len(rows) > 1:
             axes.plot([shares.min(), shares.max()], [place, place], "|-", color="0.2", lw=1.0)
-        ends.append(float(shares.max()))
+        ends.append(max(float(shares.max()), jumps[place]))
         words = row.verdict if isinstance(row.verdict, str) and row.verdict else "no remark"
         axes.annotate(
-            fill(words, 18), (ends[place], place), xytext=(5, 0), textcoords="offset points",
+            fill(words, 18), (ends[place], place), xytext=(7, 0), textcoords="offset points",
             va="center", color="0.2", bbox={"fc": "w", "ec": "none", "pad": 0.5}, **_letters(),
         )  # fmt: skip
     labels = [_joint_title(row, titles, len(rows)) for row, rows in zip(worst, pairs, strict=True)]
     axes.set_yticks(range(len(worst)), labels)
-    span = 1.7 * max(1.25 * limit, *ends) if ends else limit  # room for words
+    span = 1.7 * max(1.25, *ends) if ends else 1.0  # room for words
     axes.set(xlim=(0.0, span), ylim=(len(worst) - 0.4, -0.6))
-    words = f"force on contacts that cannot break (%), dashed: limit ({limit:g} %)"
+    jump_limit = percent(0.01 * table.jump_limit_percent.iloc[0])
+    lines = [
+        "measure of hardness over its limit (dashed)",
+        f"bar: force on contacts that cannot break ({percent(LARGEST_UNBREAKABLE_SHARE)})",
+        f"diamond: largest closure jump under load control ({jump_limit})",
+    ]
     if any(len(rows) > 1 for rows in pairs):
-        words += "\nbar: worst case of a pair of walls, line: range over its cases"
-    figure.supxlabel(words, **_letters())
+        lines.append("bar and diamond: worst case of a pair of walls, line: its other cases")
+    figure.supxlabel("\n".join(lines), **_letters())
     total = int(table.ranked.iloc[0]) if len(table) else 0
     figure.suptitle(f"The {len(worst)} hardest pairs of walls, of {total} joints", fontsize=10)
     axes.tick_params(labelsize=SMALL)
@@ -265,5 +279,5 @@ def first_panels(
     panels = {"study_hardness": hardness_panel(hardness, titles)}
     if differences is not None and within is not None:
         panels["study_accuracy"] = accuracy_panel(differences, within)
-        panels["study_effects"] = effects_panel(differences)
+        panels["study_effects"] = effects_panel(differences, within)
     return panels

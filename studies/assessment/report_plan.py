@@ -1,10 +1,12 @@
 """Plan of the joints that are simulated by variants for the report of a study.
 
-They take at most a share of the study's time. The plan follows from expected times only, so that a
+They take at most a share of the study's time, or a minute of processor time for the few joints
+without which nothing would be decided. The plan follows from expected times only, so that a
 configuration has the same plan on every machine. Joints with the settings of the study are not
 simulated again: they are in its dataset.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -19,8 +21,12 @@ from studies.frame.settings import Point
 
 FEWEST = 2
 """Fewest joints of a rock: the error of a mean of one is not known."""
+ENOUGH = 4
+"""Joints of all rocks together that are simulated where they take no more than `LEAST_SECONDS`. The
+95 % interval of a mean of two is six times as long as that of four, for the same scatter (Student's
+t)."""
 LEAST_SECONDS = 60.0
-"""Expected processor time [s] that `FEWEST` joints may take although they exceed the share."""
+"""Expected processor time [s] that these joints may take although they exceed the share."""
 COSTLY = 5.0
 """Largest cost of a joint without an effect, over that of a joint of the study, for which this
 variant is kept where the share does not allow all effects."""
@@ -45,7 +51,7 @@ class AssessmentPlan(NamedTuple):
         Joints of each rock.
     points : dict
         Points of each rock, one for each variant that is simulated. Empty if even the fewest
-        joints would take more than the share, and more than `LEAST_SECONDS`.
+        joints of one rock would take more than the share, and more than `LEAST_SECONDS`.
     seconds, study_seconds : float
         Expected processor time [s] of these joints (of the fewest if there are no points), and of
         the whole study.
@@ -90,7 +96,8 @@ def planned(study: Configuration) -> AssessmentPlan | None:
 
     First the largest scope of settings and effects is taken for which the share allows `FEWEST`
     joints of every rock. Then as many joints are planned as the share allows. If it allows no scope
-    for every rock, the smallest scope is planned for the first rocks only.
+    for every rock, the smallest scope is planned for the first rocks only. Fewer than `ENOUGH`
+    joints become as many where these take at most `LEAST_SECONDS`.
     """
     section = study.section_or_none(AssessmentSection)
     if section is None:
@@ -118,7 +125,11 @@ def planned(study: Configuration) -> AssessmentPlan | None:
         of_each = costs(scope)
         fitting = [n for n in range(1, len(of_each)) if joints * sum(of_each[:n]) <= allowed]
         rocks = list(of_rocks)[: max(fitting, default=1)]
-    expected = joints * seconds * sum(costs(scope)[: len(rocks)])
+    each = seconds * sum(costs(scope)[: len(rocks)])
+    enough = min(most, math.ceil(ENOUGH / len(rocks)))
+    if joints < enough and enough * each <= LEAST_SECONDS:
+        joints = enough
+    expected = joints * each
     closes = expected <= max(section.share * whole, LEAST_SECONDS)
     of_rock = {rock: scope.points(study, rock, joints, again) for rock in rocks if closes}
     points = {rock: points for rock, points in of_rock.items() if points}

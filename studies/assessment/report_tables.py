@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,12 +29,12 @@ from jointclosure.joint.status import (
 from jointclosure.parameters import Effects
 from jointclosure.statistics.number_texts import percent
 from jointclosure.statistics.standard_errors import Estimate, mean_of
-from jointclosure.statistics.two_level import Interval, t_interval
+from jointclosure.statistics.two_level import Interval, change_interval, t_interval
 from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
 from studies.frame.settings import BASE
 from studies.frame.tables import in_words, succeeded
 from studies.paper.closure_tables import estimate_columns
-from studies.paper.report.verdicts import REFERENCE, VERDICT_OF
+from studies.paper.report.verdicts import JUMPS, REFERENCE, VERDICT_OF
 
 ALL_ROCKS = "all rocks"
 """Value of the column ``rock`` in rows of all rocks together; keys of rocks have no space."""
@@ -182,7 +182,7 @@ def _rows(
     for place in range(pairs[0][0].closures.shape[1]):
         apart = [_apart(own, best, place) for own, best, _ in pairs]
         samples, remains, gross = (np.concatenate(parts) for parts in zip(*apart, strict=True))
-        interval = _interval(samples)
+        interval = _interval(samples, change_interval)
         row: dict[str, Any] = {"rock": rock}
         row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
         row |= {"reference": reference, "of_study": variant == plan.stated}
@@ -190,7 +190,7 @@ def _rows(
         row |= estimate_columns("change_percent", _mean(samples), 100.0)
         row |= _limit_columns("change_percent", interval)
         row["gross_percent"] = 100.0 * _mean(gross).value
-        row |= _limit_columns("gross_percent", _interval(gross))
+        row |= _limit_columns("gross_percent", _interval(gross, change_interval))
         row["verdict"] = REFERENCE if variant == reference else VERDICT_OF[interval.within(within)]
         row["remains_points"] = 100.0 * _mean(remains).value
         row |= _limit_columns("remains_points", _interval(remains))
@@ -252,9 +252,11 @@ def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
     return ratio + (over - ratio * under) / under.mean()
 
 
-def _interval(samples: np.ndarray) -> Interval:
+def _interval(
+    samples: np.ndarray, interval_of: Callable[[np.ndarray], Interval] = t_interval
+) -> Interval:
     """Return the mean of samples with its 95 % interval, infinite for fewer than two."""
-    return t_interval(samples) if samples.size else Interval(math.nan, -math.inf, math.inf)
+    return interval_of(samples) if samples.size else Interval(math.nan, -math.inf, math.inf)
 
 
 def _limit_columns(name: str, interval: Interval) -> dict[str, float]:
@@ -371,24 +373,32 @@ _VERDICTS = (
     "not stable: failed",
     "jumped over the maximum stress",
     "hard: outside of the model's range",
+    JUMPS,
     "",
 )
 """Verdicts on a joint, the worst first, in the words of `jointclosure.assess` where they mean the
 same; the last one is that of joints without a remark, of which no copies were simulated."""
 
 
-def hardness_table(study: xr.Dataset) -> pd.DataFrame:
-    """Rank the joints of a study by their status and by the force on contacts that cannot break.
+def hardness_table(study: xr.Dataset, within: float) -> pd.DataFrame:
+    """Rank the joints of a study by their status, and by the force and jumps that make them hard.
+
+    Limits are those of `jointclosure.assess`: a tenth of the force on contacts that cannot break,
+    and a largest closure jump under load control of ``within`` times the closure of its loading.
+    Copies of the joints, which it compares too, are not known.
 
     Rows are joints, the worst first, at most `MOST_RANKED`: ``walls`` (seed of their pair of walls,
     which cases of common draws share), ``verdict``, ``reason``,
-    ``unbreakable_percent`` (largest share of the force of all cycles), ``residual`` (largest of
-    all steps), ``effort`` (breakage steps over the median of the case's rock). ``ranked`` is the
-    number of all joints, and ``verdict_joints`` that of joints with the same verdict.
+    ``unbreakable_percent`` (largest share of the force of all cycles), ``jump_percent`` (largest
+    jump), both also over their limits (``unbreakable_over_limit``, ``jump_over_limit``),
+    ``residual`` (largest of all steps), ``effort`` (breakage steps over the median of the case's
+    rock). ``ranked`` is the number of all joints, ``verdict_joints`` that of joints with the same
+    verdict, and ``jump_limit_percent`` the limit of jumps.
     """
     order = ("case", "realization")
     status = study.status.transpose(*order).values
     share = unbreakable_share(study).max("cycle").transpose(*order).values
+    jump = study.largest_jump.transpose(*order).values
     residual = study.largest_residual.transpose(*order).values
     steps = study.breakage_steps.transpose(*order).values.astype(float)
     effort = np.full(steps.shape, math.nan)
@@ -397,37 +407,51 @@ def hardness_table(study: xr.Dataset) -> pd.DataFrame:
         middle = float(np.nanmedian(steps[of_rock]))
         effort[of_rock] = steps[of_rock] / middle if middle > 0.0 else math.nan
     failed = ~succeeded(study).transpose(*order).values
-    jumped, outside = ((status & bit) > 0 for bit in (TARGET_JUMPED, OUTSIDE_MODEL_RANGE))
-    group = np.select([failed, jumped, outside], [0, 1, 2], 3)
-    first = np.lexsort((-effort.ravel(), -np.nan_to_num(share).ravel(), group.ravel()))
+    over, outside = ((status & bit) > 0 for bit in (TARGET_JUMPED, OUTSIDE_MODEL_RANGE))
+    group = np.select([failed, over, outside, jump > within], [0, 1, 2, 3], len(_VERDICTS) - 1)
+    limits = {"unbreakable": LARGEST_UNBREAKABLE_SHARE, "jump": within}
+    measures = {"unbreakable": share, "jump": jump}
+    over_limit = {name: measures[name] / limit for name, limit in limits.items()}
+    largest = np.nan_to_num(np.fmax(*over_limit.values()))
+    first = np.lexsort((-effort.ravel(), -largest.ravel(), group.ravel()))
     rows = []
     for place in first[:MOST_RANKED]:
-        i, j = np.unravel_index(place, status.shape)
+        at = np.unravel_index(place, status.shape)
         row: dict[str, Any] = {
-            name: study[name].values[i] for name in ("rock", "parameter", "level")
+            name: study[name].values[at[0]] for name in ("rock", "parameter", "level")
         }
-        row["walls"] = str(study.seed.values[i, j])
-        row |= {"joint": int(study.realization.values[j]), "status": int(status[i, j])}
-        row |= {"verdict": _VERDICTS[group[i, j]], "unbreakable_percent": 100.0 * share[i, j]}
-        row |= {"residual": residual[i, j], "effort": effort[i, j]}
-        rows.append(row | {"reason": _reason(row, int(group[i, j]))})
+        row["walls"] = str(study.seed.values[at])
+        row |= {"joint": int(study.realization.values[at[1]]), "status": int(status[at])}
+        row["verdict"] = _VERDICTS[group[at]]
+        row |= {f"{name}_percent": 100.0 * measure[at] for name, measure in measures.items()}
+        row |= {f"{name}_over_limit": ratio[at] for name, ratio in over_limit.items()}
+        row |= {"residual": residual[at], "effort": effort[at]}
+        rows.append(row | {"reason": _reason(row, int(group[at]), within)})
     counts = {name: int((group == n).sum()) for n, name in enumerate(_VERDICTS)}
     table = pd.DataFrame(rows)
-    return table.assign(verdict_joints=table.verdict.map(counts), ranked=status.size)
-
-
-def _reason(row: Mapping, group: int) -> str:
-    """Return in words what makes a joint hard; ``group`` is the place of its verdict."""
-    share = (
-        f"{percent(0.01 * row['unbreakable_percent'])} of the force on contacts that cannot break"
+    return table.assign(
+        verdict_joints=table.verdict.map(counts),
+        ranked=status.size,
+        jump_limit_percent=100.0 * within,
     )
-    limit = f"{share} (limit {percent(LARGEST_UNBREAKABLE_SHARE)})"
-    effort = f"{row['effort']:.2g} times the median number of breakage steps"
+
+
+def _reason(row: Mapping, group: int, within: float) -> str:
+    """Return in words what makes a joint hard; ``group`` is the place of its verdict."""
     if group == 0:
         return ", ".join(in_words(name) for bit, name in FLAGS.items() if row["status"] & bit)
     if group == 1:
         return "breakage made the stress jump over its maximum"
-    known = [limit] if row["unbreakable_percent"] > 0.0 else []
+    known = list[str]()
+    if row["unbreakable_percent"] > 0.0:
+        share = percent(0.01 * row["unbreakable_percent"])
+        known.append(
+            f"{share} of the force on contacts that cannot break (limit "
+            f"{percent(LARGEST_UNBREAKABLE_SHARE)})"
+        )
+    if row["jump_percent"] > 0.0:
+        jump = percent(0.01 * row["jump_percent"])
+        known.append(f"largest jump {jump} of the closure (limit {percent(within)})")
     if math.isfinite(row["effort"]):
-        known.append(effort)
+        known.append(f"{row['effort']:.2g} times the median number of breakage steps")
     return "; ".join(known) or f"residual of equilibrium {row['residual']:.2g}"

@@ -15,7 +15,8 @@ class AssessmentSection(StudySection):
     by_default = True
     share: Share = entry(
         "Share of the expected time of the study that the joints of the assessment in its report "
-        "may take; with `assessment: null` no joint is simulated.",
+        "may take, apart from four joints, which may take a minute; with `assessment: null` no "
+        "joint is simulated.",
         0.1,
     )
     joints: int = entry(

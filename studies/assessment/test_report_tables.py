@@ -26,7 +26,7 @@ from studies.assessment.report_tables import (
 )
 from studies.paper.report.content import assessed, numerical_bias
 from studies.paper.report.tables import with_limits
-from studies.paper.report.verdicts import TOO_FEW, verdict_of_cycles
+from studies.paper.report.verdicts import JUMPS, TOO_FEW, verdict_of_cycles
 from tests.studied import study_of
 
 ROCKS, LADDER = ("slate", "dolerite"), ("the paper's steps", "tolerance 0.1", "tolerance 0.02")
@@ -39,6 +39,7 @@ PLAN = AssessmentPlan(
 EFFECTS = dict.fromkeys(ROCKS, jc.Effects())
 CLOSURES = {"slate": 1e-4 * np.array([[1.0, 0.2], [1.2, 0.3], [9.0, 9.0]]),
             "dolerite": 2e-4 * np.array([[1.0, 0.2], [1.4, 0.3], [9.0, 9.0]])}  # fmt: skip
+WITHIN = 0.05
 STAYS, REMAINS = 0.6, 0.5
 """Share of the closure that remains: of the study, and of all variants."""
 OWN_SECONDS = np.array([5.0, 1.0, 3.0])  # the first one loaded the kernels
@@ -58,6 +59,7 @@ def dataset():
             "timing_simulation": (order, [OWN_SECONDS, 2.0 * OWN_SECONDS]),
             "locked_share": ((*order, "cycle"), locked),
             "flat_share": ((*order, "cycle"), 0.0 * locked),
+            "largest_jump": (order, [[0.08, 0.02, 0.2], [0.04, 0.06, 0.12]]),
             "largest_residual": (order, np.full((2, 3), 5e-5)),
             "breakage_steps": (order, [[10, 20, 30], [20, 20, 60]]),
         },
@@ -205,7 +207,7 @@ def test_effects_are_judged_by_net_and_gross_closure(study, joints, net, gross, 
 
 
 def test_an_effect_without_which_joints_fail_is_shown_by_a_word(failing_table):
-    left = effects_panel(failing_table).axes[0]
+    left = effects_panel(failing_table, WITHIN).axes[0]
     assert [text.get_text() for text in left.texts] == ["needed", "needed", "not tested"]
 
 
@@ -216,31 +218,38 @@ def test_the_cost_is_the_share_of_the_time_of_all_joints(study, joints):
     assert (cost.expected_percent, cost.allowed_percent) == (8.0, 10.0)
 
 
-def test_joints_are_ranked_by_status_then_by_force_that_cannot_break():
-    table = hardness_table(dataset())
+def test_joints_are_ranked_by_status_then_by_the_measure_that_is_farthest_beyond_its_limit():
+    table = hardness_table(dataset(), WITHIN)
     assert table.verdict.tolist() == [
         "not stable: failed",
         "jumped over the maximum stress",
         "hard: outside of the model's range",
         "hard: outside of the model's range",
-        "",
+        JUMPS,
         "",
     ]
-    assert table.unbreakable_percent.tolist() == pytest.approx([0.0, 0.0, 30.0, 20.0, 5.0, 2.0])
+    assert table.unbreakable_percent.tolist() == pytest.approx([0.0, 0.0, 30.0, 20.0, 2.0, 5.0])
+    assert table.unbreakable_over_limit.tolist() == pytest.approx([0.0, 0.0, 3.0, 2.0, 0.2, 0.5])
+    assert table.jump_percent.tolist() == pytest.approx([6.0, 20.0, 2.0, 12.0, 8.0, 4.0])
+    assert table.jump_over_limit.tolist() == pytest.approx([1.2, 4.0, 0.4, 2.4, 1.6, 0.8])
+    assert table.reason[4] == (
+        "2 % of the force on contacts that cannot break (limit 10 %); largest jump 8 % of the "
+        "closure (limit 5 %); 0.5 times the median number of breakage steps"
+    )
     assert table.reason[0] == "Breakage did not come to rest"
     assert table.reason[2].startswith(
         "30 % of the force on contacts that cannot break (limit 10 %)"
     )
-    assert table.effort.tolist() == pytest.approx([1.0, 1.5, 1.0, 3.0, 1.0, 0.5])
+    assert table.effort.tolist() == pytest.approx([1.0, 1.5, 1.0, 3.0, 0.5, 1.0])
     assert set(table.ranked) == {6}
-    assert table.verdict_joints.tolist() == [1, 1, 2, 2, 2, 2]
+    assert table.verdict_joints.tolist() == [1, 1, 2, 2, 1, 1]
 
 
 @pytest.fixture
 def accuracy_axes(table):
     """Axes of the accuracy panel, and the rows of settings that it shows."""
     rows = table[(table.rock == ALL_ROCKS) & (table.kind == "setting")]
-    return accuracy_panel(table, 0.05).axes[0], rows
+    return accuracy_panel(table, WITHIN).axes[0], rows
 
 
 def test_the_accuracy_panel_shows_every_setting(accuracy_axes):
@@ -253,7 +262,7 @@ def test_the_accuracy_panel_shows_every_setting(accuracy_axes):
 
 
 def test_the_accuracy_panel_has_a_verdict_on_each_setting(table):
-    (legend,) = accuracy_panel(table, 0.05).legends
+    (legend,) = accuracy_panel(table, WITHIN).legends
     words = [text.get_text() for text in legend.get_texts()]
     assert words[:3] == [
         "the paper's steps: beyond",
@@ -322,7 +331,7 @@ def bar_of(container):
 
 @pytest.fixture
 def effects_axes(table):
-    return effects_panel(table).axes
+    return effects_panel(table, WITHIN).axes
 
 
 def test_the_effects_panel_shows_changes_without_an_effect_as_the_table_does(effects_axes, table):
@@ -360,7 +369,7 @@ def test_a_wide_interval_without_zero_is_a_number_in_the_report():
 
 
 def test_changes_of_too_few_joints_have_no_bars(scattered_table):
-    figure = effects_panel(scattered_table)
+    figure = effects_panel(scattered_table, WITHIN)
     net = figure.axes[0].containers[0]
     assert net.lines[0].get_alpha() < 0.5
     assert np.ptp(bar_of(net)[:, 0]) == 0.0
@@ -375,11 +384,13 @@ def test_the_effects_panel_says_what_was_not_tested(effects_axes):
 
 
 def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
-    table = hardness_table(dataset())
+    table = hardness_table(dataset(), WITHIN)
     titles = {"slate": "Slate of Wales", "dolerite": "Dolerite"}
     axes = hardness_panel(table, titles).axes[0]
     lengths = [bar.get_width() for bar in axes.patches]
-    assert lengths == pytest.approx(table.unbreakable_percent[:WORST].tolist())
+    assert lengths == pytest.approx(table.unbreakable_over_limit[:WORST].tolist())
+    (jumps,) = (line.get_xdata() for line in axes.lines if line.get_marker() == "D")
+    assert jumps == pytest.approx(table.jump_over_limit[:WORST].to_numpy())
     words = [text.get_text().replace("\n", " ") for text in axes.texts]
     assert words[:2] == ["not stable: failed", "jumped over the maximum stress"]
     assert words[-1] == "no remark"
@@ -389,17 +400,17 @@ def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
 
 
 def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_cases():
-    table = hardness_table(dataset())
+    table = hardness_table(dataset(), WITHIN)
     slate = table[table.rock == "slate"]
     soft = slate.assign(parameter="youngs_modulus", level="low")
-    soft["unbreakable_percent"] += 40.0
+    soft["unbreakable_over_limit"] += 4.0
     both = pd.concat([soft, slate], ignore_index=True)
     axes = hardness_panel(both, {"slate": "Slate"}).axes[0]
     assert len(axes.patches) == slate.walls.nunique() == 3
-    shares = slate.unbreakable_percent.to_numpy()
+    shares = slate.unbreakable_over_limit.to_numpy()
     lines = [line.get_xdata() for line in axes.lines if line.get_marker() == "|"]
-    np.testing.assert_allclose(lines, np.column_stack([shares, shares + 40.0]))
-    assert axes.get_xlim()[1] > 1.5 * (shares.max() + 40.0)
+    np.testing.assert_allclose(lines, np.column_stack([shares, shares + 4.0]))
+    assert axes.get_xlim()[1] > 1.5 * (shares.max() + 4.0)
     assert axes.get_yticklabels()[0].get_text() == "Slate, joint 2\n2 cases"
 
 
@@ -469,9 +480,9 @@ def test_the_headline_says_why_the_error_of_the_numerics_is_not_known(study, joi
 def test_a_table_in_a_file_is_drawn_as_the_table(table, tmp_path):
     table.to_csv(tmp_path / "table.csv", index=False)
     again = pd.read_csv(tmp_path / "table.csv")
-    for draw in (effects_panel, lambda one: accuracy_panel(one, 0.05)):
-        drawn = draw(table).axes[0]
-        same = draw(again).axes[0]
+    for draw in (effects_panel, accuracy_panel):
+        drawn = draw(table, WITHIN).axes[0]
+        same = draw(again, WITHIN).axes[0]
         assert len(drawn.containers) == len(same.containers)
 
 
@@ -488,6 +499,7 @@ def first_screen(about, **names):
         },
         "frames": {"remarks": None},
         "cases": 9,
+        "jumping": 7,
     }
     page = render(content | names, "first.html.j2", "studies.paper.report")
     return " ".join(re.sub(r"<[^>]*>", " ", page).split()), page.count("<img")
@@ -504,6 +516,7 @@ def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
     assert pictures == 3
     assert "2 joints of the base case of Slate, Dolerite" in text
     assert "3 lie outside of the model's range, in 2 of 9 cases" in text
+    assert "Of the others 7 are hard because their closure jumps." in text
     assert "Substrate is needed: joints that break have no equilibrium without it." in text
     assert "8 % was expected, and 10 % is allowed." in text
     assert "bars of closure are 95 % intervals of 4 joints by Student's t" in text

@@ -494,16 +494,17 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
         axes.set_xticks(
             range(len(names)), [figure_text(rocks[n].title) for n in names], rotation=35
         )
-        axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
+        about = PROPERTIES[parameter]
+        axes.set_ylabel(f"length of the interval of\n{about.title}{about.in_brackets}")
     handles: list[Artist] = [
         point_key(f"this study, {test_name(table)}, with 95 % bootstrap", color="C0"),
-        point_key("the same, extrapolated root", mfc="none", color="C0"),
-        point_key("net of bulk indentation", "s", color="C2", ms=4),
+        point_key("net of bulk indentation, likewise", "s", color="C2", ms=4),
+        point_key("hollow: extrapolated root", mfc="none", color="0.4"),
         point_key("no real root", "x", color="0.4"),
-        key("bar extends beyond the panel", marker="^", color="C0"),
+        key("bar extends beyond the panel", marker="^", color="0.4"),
     ]
     if "paper_length" in table:
-        handles.insert(3, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
+        handles.insert(2, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
         handles.append(point_key("no real root in the paper", "x", color="C1"))
     legend_below(figure, handles)
     sns.despine(figure)
@@ -523,15 +524,21 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
             axes.plot(i + 0.22, 0.97 * top, "x", color="C1")
         if pd.isna(row.length):
             axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
-        else:
-            ends = [row.length_low, min(row.length_high, top)]
-            axes.plot([i - 0.12] * 2, ends, color="C0", lw=1.0)
-            if row.length_high > top:  # the bar extends beyond the panel
-                axes.plot(i - 0.12, top, "^", color="C0", ms=6, clip_on=False, zorder=3)
-            fill = "none" if row.extrapolated else "C0"
-            axes.plot(i - 0.12, row.length, "o", color="C0", mfc=fill, ms=6)
-        if pd.notna(row.length_net):
-            axes.plot(i + 0.05, row.length_net, "s", color="C2", ms=4)
+        for suffix, at, marker, colour in (
+            ("", i - 0.12, "o", "C0"),
+            ("_net", i + 0.05, "s", "C2"),
+        ):
+            length, low, high, extrapolated = (
+                getattr(row, f"{name}{suffix}")
+                for name in ("length", "length_low", "length_high", "extrapolated")
+            )
+            if pd.isna(length):
+                continue
+            axes.plot([at] * 2, [low, min(high, top)], color=colour, lw=1.0)
+            if high > top:  # the bar extends beyond the panel
+                axes.plot(at, top, "^", color=colour, ms=5, clip_on=False, zorder=3)
+            fill = "none" if extrapolated else colour
+            axes.plot(at, length, marker, color=colour, mfc=fill, ms=6 if suffix == "" else 4)
     axes.set_ylim(0.0, top)
     axes.set_xlim(-0.6, len(part) - 0.4)
 
@@ -586,7 +593,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
             axes.set_ylabel("mean maximum\ngross closure (mm)")
     bar = "bar: ± standard error"
     if paired:
-        bar += " of the change from\nthe rock's value, on the same surfaces"
+        bar += " of the change from\nthe rock's value (none there), on the same surfaces"
     handles = [
         *legend_keys([panels[cycles[0], parameters[0]]]),
         key("net of bulk indentation", color="0.4", ls="--", lw=1.0),

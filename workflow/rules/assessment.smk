@@ -69,6 +69,7 @@ rule rank_joints:
         ENVIRONMENT
     params:
         key=KEYS["study"],
+        within=(STUDY.assessment or AssessmentSection()).within,
         code=code("rank_joints.py"),
     message:
         "Rank the joints of the study by hardness"

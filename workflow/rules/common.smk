@@ -19,6 +19,7 @@ from jointclosure.walls.scans import file_digest, files_of
 from studies.assessment.larger_assessment import base_conditions
 from studies.assessment.report_plan import READ as ASSESSED_QUANTITIES
 from studies.assessment.report_plan import planned as planned_assessment
+from studies.assessment.section import AssessmentSection
 from studies.frame.cases import (
     blocks_of,
     cases_of,

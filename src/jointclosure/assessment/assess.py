@@ -34,7 +34,14 @@ from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.number_texts import percent, with_equal_decimals
-from jointclosure.statistics.two_level import FEWEST, Interval, Plan, best_plan, t_interval
+from jointclosure.statistics.two_level import (
+    FEWEST,
+    Interval,
+    Plan,
+    best_plan,
+    change_interval,
+    t_interval,
+)
 from jointclosure.storage.files import digest, read_csv
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
 from jointclosure.uncertainty.sources import coarser
@@ -225,7 +232,7 @@ class Assessment:
         one, two = self._paired(variants, cycle, quantity)
         if not one.size:
             return Interval(math.nan, -math.inf, math.inf)
-        return t_interval((one - two) / two.mean())
+        return change_interval((one - two) / two.mean())
 
     def _hardness(self, own: pd.DataFrame) -> dict[str, Any]:
         """Return a row of `hardness` from the rows of `closures` of a joint."""

@@ -176,6 +176,10 @@ QUANTITIES: dict[str, Quantity] = {
     "largest_flow_imbalance": Quantity(
         "largest sum of the cells' mass balances over the inflow, of all steps", "1", (),
         lambda joint: float(joint.closed.flow_imbalance.max())),
+    "largest_jump": Quantity(
+        "largest closure of a loading at constant stress, over its closure", "1", (),
+        lambda joint: largest_jump(joint.closed),
+        further={"comment": "where a test that controls the stress would jump"}),
     "volume_error": Quantity(
         "change of a wall's volume over the volume above its lowest point", "1", (),
         _volume_error),
@@ -220,10 +224,6 @@ QUANTITIES: dict[str, Quantity] = {
     "unbreakable_share": Quantity(
         "largest share of the force on contacts that cannot break", "1", (),
         lambda joint: float(unbreakable_share(joint.closed).max())),
-    "largest_jump": Quantity(
-        "largest closure of a loading at constant stress, over its closure", "1", (),
-        lambda joint: largest_jump(joint.closed),
-        further={"comment": "where a test that controls the stress would jump"}),
     "contacts_at_max": Quantity(
         "largest number of cells in contact at the maximum stress", "1", (),
         lambda joint: float(

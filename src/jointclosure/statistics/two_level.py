@@ -43,6 +43,12 @@ def t_interval(samples: np.ndarray) -> Interval:
     )
 
 
+def change_interval(samples: np.ndarray) -> Interval:
+    """Return `t_interval` of relative changes (n,) of a positive result: no end is below -1."""
+    interval = t_interval(samples)
+    return interval._replace(low=max(interval.low, -1.0)) if np.size(samples) > 1 else interval
+
+
 def two_level_mean(cheap: np.ndarray, differences: np.ndarray) -> Interval:
     """Return the mean at the finer level from cheap values (n,), and differences of the first k."""
     value = float(np.mean(cheap) + np.mean(differences))

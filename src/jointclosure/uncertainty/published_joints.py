@@ -41,7 +41,8 @@ def _table() -> pd.DataFrame:
 
 def measured(quantity: str, joint: str = ALL) -> Measured:
     """Return a measured value of a joint; a value without a range is its own range."""
-    rows = _table().query("quantity == @quantity and joint in (@joint, @ALL)")
+    table = _table()
+    rows = table[(table.quantity == quantity) & table.joint.isin([joint, ALL])]
     row = rows.sort_values("joint").iloc[0]  # that of the joint before that of all
     value, low, high = row[list(Measured._fields)].astype(float)
     return Measured(value, value if pd.isna(low) else low, value if pd.isna(high) else high)

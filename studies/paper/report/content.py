@@ -31,7 +31,13 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report.tables import About, frames_of, with_limits
-from studies.paper.report.verdicts import REFERENCE, TOO_FEW, is_too_wide, verdict_of_cycles
+from studies.paper.report.verdicts import (
+    JUMPS,
+    REFERENCE,
+    TOO_FEW,
+    is_too_wide,
+    verdict_of_cycles,
+)
 from studies.paper.requirements import REPORTED
 from studies.paper.tables_1_to_3 import case_title, test_name
 
@@ -79,6 +85,7 @@ def content(material: Material) -> dict:
         "joint_size": size_text((grid.cells_y, grid.cells_x), grid.spacing),
         "cases": study.sizes["case"],
         "outcome": outcome(study, titles),
+        "jumping": jumping(known["study_hardness"]) if "study_hardness" in known else 0,
         "assessed": of_assessment,
         "scanned": scanned_walls(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
@@ -111,6 +118,12 @@ def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
         }
         for rock, about in walls.items()
     }
+
+
+def jumping(hardness: pd.DataFrame) -> int:
+    """Return how many joints are hard only because their closure jumps, from `hardness_table`."""
+    counts = hardness.loc[hardness.verdict == JUMPS, "verdict_joints"]
+    return int(counts.iloc[0]) if len(counts) else 0
 
 
 def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:

@@ -13,6 +13,8 @@ TOO_FEW = "too few joints"
 """In place of a change whose interval is wider."""
 REFERENCE = "reference"
 """Verdict on the setting from which the differences of others are taken."""
+JUMPS = "hard: closure jumps"
+"""Verdict on a joint whose largest closure jump exceeds the request."""
 VERDICT_OF = {True: "within", False: "beyond", None: "not determined"}
 """Verdicts on a change of a mean closure: is it shown to be within the request, or beyond it?"""
 VERDICTS = tuple(VERDICT_OF.values())
