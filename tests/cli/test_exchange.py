@@ -601,6 +601,18 @@ def test_the_stiffness_for_udec_or_3dec_is_the_slope_of_the_hyperbola(history):
     assert stiffness(2.0005e6) == pytest.approx(1e3 / np.diff(closure)[0], rel=1e-4)
 
 
+def test_the_stiffness_of_the_first_loading_has_a_function_of_its_constants(history):
+    text = exports.barton_bandis_commands(history, stress_table(history), LAWS)
+    values, _ = fish_constants(history, stress_table(history))
+    stiff, opening = values["bb_kni_first_loading"], values["bb_vm_first_loading"]
+    (rule,) = re.findall(
+        r"^    bb_stiffness_first_loading = (.*)$", text["barton_bandis.dat"], re.M
+    )
+    at = values | {"stress": 2e6, "kni": stiff}
+    expected = stiff * (1.0 + 1.5e6 / (stiff * opening)) ** 2
+    assert eval(rule.replace("^", "**"), {}, at) == pytest.approx(expected)
+
+
 @pytest.fixture(scope="module")
 def straight(history):
     """A joint that closes in proportion to the stress, which is no hyperbola."""

@@ -222,7 +222,7 @@ def test_a_cost_is_stated_in_times_of_the_processor():
 
 
 def test_the_cost_of_a_range_is_that_of_the_cells_of_its_variants(monkeypatch):
-    monkeypatch.setattr(estimation, "_time_of_window", lambda *about: (1.0, 128 * 128))
+    monkeypatch.setattr(estimation, "time_of_window", lambda *about: (1.0, 128 * 128))
     upper, lower = walls(160)
     joint = uncertain_joint(upper, lower, CONDITIONS)
     one = expected_cost(UncertainJoint(upper, lower, CONDITIONS))
@@ -240,7 +240,7 @@ FLAT = np.zeros((200, 200))
 
 def forecast(monkeypatch, made=uncertain_joint, workers=None):
     """Expected cost of a flat joint, as if its window of 128 x 128 cells took ten seconds."""
-    monkeypatch.setattr(estimation, "_time_of_window", lambda *walls: (10.0, 128 * 128))
+    monkeypatch.setattr(estimation, "time_of_window", lambda *walls: (10.0, 128 * 128))
     return expected_cost(made(FLAT, FLAT, Conditions(**LOAD).checked()), workers)
 
 

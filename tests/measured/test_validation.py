@@ -8,9 +8,11 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
+from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
+from jointclosure.measured import simulated_joints
 from jointclosure.measured.compared_quantities import (
     about_share,
     compared_quantities,
@@ -23,6 +25,7 @@ from jointclosure.measured.simulated_joints import CHECKED, FINER, LaterLoading
 from jointclosure.measured.validation import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
 from jointclosure.statistics.randomness import generator
+from jointclosure.uncertainty import expected_cost
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
@@ -166,6 +169,45 @@ def test_the_time_of_all_joints_is_estimated_before_they_are_simulated(pair, cur
     assert "all 36 joints take about" in lines[-1]
     assert "finished joints are kept" in lines[-1]
     assert not list(tmp_path.glob("*.nc"))
+
+
+def forecast_of(monkeypatch, pair, curves, times, **kinds):
+    """Return seconds of the forecast, as if joints of each strength [Pa] took so long [s]."""
+    spent = {round(strength): seconds for strength, seconds in times.items()}
+
+    def timed(upper, lower, size, conditions):
+        return spent[round(conditions.rock.compressive_strength)], upper.size
+
+    for module in (simulated_joints, expected_cost):
+        monkeypatch.setattr(module, "time_of_window", timed)
+    monkeypatch.setattr(simulated_joints, "rough_time", lambda seconds: f"<{seconds:.6g}>")
+
+    def stop(line):
+        if "take about" in line:
+            raise InterruptedError(line)
+
+    about = {"rock": ROCK, "pair": pair, "seating_stress": SEATING, "surfaces": 9, "workers": 1}
+    with pytest.raises(InterruptedError) as stopped:
+        validate(curves[0], **about, strengths=(min(times), max(times)), report=stop, **kinds)
+    return np.array([float(number) for number in re.findall("<(.*?)>", str(stopped.value))])
+
+
+def test_the_forecast_counts_that_joints_of_weak_rock_take_longer(monkeypatch, pair, curves):
+    strengths = np.geomspace(30e6, 180e6, STRENGTHS)
+    alike = forecast_of(monkeypatch, pair, curves, dict.fromkeys(strengths, 2.0))
+    weak = dict(zip(strengths, (22.0, 2.0, 2.0, 2.0), strict=True))
+    np.testing.assert_allclose(forecast_of(monkeypatch, pair, curves, weak), 3.5 * alike, rtol=1e-5)
+
+
+def test_the_forecast_counts_a_changed_joint_as_one_that_breaks_again(monkeypatch, pair, curves):
+    times = dict.fromkeys(np.geomspace(30e6, 180e6, STRENGTHS), 2.0)
+    stays, one, two = (
+        forecast_of(monkeypatch, pair, curves, times, shifts=shifts, crushed_strength_ratios=None)
+        for shifts in (None, (1,), (1, 2))
+    )
+    alone = stays / (1.0 + 1.0 / FIRST_LOADING)
+    np.testing.assert_allclose(one - stays, alone, rtol=1e-4)
+    np.testing.assert_allclose(two - one, alone, rtol=1e-4)
 
 
 def test_no_mechanism_is_compatible_with_a_curve_of_walls_that_stay(plain):

@@ -570,7 +570,8 @@ def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
     assert np.isfinite(ends.iloc[0]).all()
     assert np.isfinite(ends.iloc[1]).all() == (status == "blocked")
     assert band.largest_hydraulic_mm_high.notna().all()
-    assert band.flow_status.tolist() == ["flows", status]
+    assert band.range_flow_status.tolist() == ["flows", status]
+    assert band.flow_status.tolist() == ["flows", "flows"]  # that of the joint itself
     known = band.filter(like="transmissivity").notna()
     np.testing.assert_array_equal(known.all(axis=1), [True, status == "blocked"])
 

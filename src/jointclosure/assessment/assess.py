@@ -60,6 +60,9 @@ ASSESSED = {
 }
 """Quantities that are compared, and their short titles."""
 REFINEMENT = 5.0  # tolerance of a resolved setting over that of the next finer one
+LEAST_ORDER = 0.2
+"""Least observed order that is stated. With a smaller one a tolerance of a fifth has an error of
+more than 0.7 times as much: the errors do not decrease."""
 FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_max",
             "stress_over_strength", "spread")  # fmt: skip
 """Quantities by which a joint is compared with the hard cases, and the spread of its copies [1]."""
@@ -290,8 +293,8 @@ class Assessment:
                 order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
                 limit += (
                     f" (observed order {order:.2g})"
-                    if order > 0.0
-                    else f" (the change before, with {ladder[-3]}, was not larger)"
+                    if order >= LEAST_ORDER
+                    else f" (the change before, with {ladder[-3]}, was hardly larger or smaller)"
                 )
             lines.append(
                 f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "

@@ -34,6 +34,7 @@ from jointclosure.joint.tables import (
 )
 from jointclosure.statistics.number_texts import percent
 from jointclosure.uncertainty.published_joints import measured_range
+from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 
 OPENING_SLOPE = 0.95
 """Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
@@ -346,6 +347,15 @@ end
 """
 
 
+_FIRST_STIFFNESS_FUNCTION = """
+; the same of the first loading
+fish define bb_stiffness_first_loading(stress)
+    local kni = bb_kni_first_loading
+    bb_stiffness_first_loading = kni * (1.0 + (stress - bb_seating) / (kni * bb_vm_first_loading))^2
+end
+"""
+
+
 def barton_bandis_commands(
     joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws
 ) -> dict[str, str]:
@@ -397,6 +407,7 @@ def barton_bandis_commands(
     if fitted and np.isfinite(first).all():
         values["bb_kni_first_loading"] = 1e9 * first.kni_MPa_per_mm, f"kni (Pa/m) {where}"
         values["bb_vm_first_loading"] = 1e-3 * first.vm_mm, f"Vm (m) {where}"
+        function += _FIRST_STIFFNESS_FUNCTION
     if fitted:
         values["bb_seating"] = seating, "seating stress (Pa)"
     lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
@@ -445,8 +456,10 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
         reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
         reason += f"is not at {first:.3g} MPa"
         if history_of(joint).has_flow:
-            status = curves.flow_status[rows.index[int(np.argmax(missing))]]
-            reason += f" (flow_status: {status})"
+            of_range = ending and RANGE_FLOW_STATUS in curves
+            name_of_status = RANGE_FLOW_STATUS if of_range else "flow_status"
+            status = curves[name_of_status][rows.index[int(np.argmax(missing))]]
+            reason += f" ({name_of_status}: {status})"
         reasons[name] = reason
     if not apertures:
         raise InputError(f"GEOS: {next(iter(reasons.values()))}")
@@ -559,14 +572,22 @@ def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
 
 
 def _unknown_apertures(curves: pd.DataFrame) -> list[str]:
-    """Return comments on the stresses at which only bounds of the aperture are known."""
-    unknown = curves[curves.flow_status.isin(ONLY_BOUNDS)]
-    return [
-        f"; aperture-cycle-{cycle}-{branch}: not known, and no point of the table, at "
-        f"{', '.join(f'{stress:.3g}' for stress in rows.normal_stress_MPa)} MPa (flow_status: "
-        f"{', '.join(rows.flow_status.unique())}); aperture-bound has the upper bound"
-        for (cycle, branch), rows in unknown.groupby(["cycle", "branch"])
-    ]
+    """Return comments on the stresses at which only bounds of the aperture or its range are known.
+
+    The range is not known if the flow of one of the variants of the joint is not.
+    """
+    lines = []
+    for status, tables in (("flow_status", ""), (RANGE_FLOW_STATUS, ", tables of the range")):
+        if status not in curves:
+            continue
+        unknown = curves[curves[status].isin(ONLY_BOUNDS)]
+        lines += [
+            f"; aperture-cycle-{cycle}-{branch}{tables}: not known, and no point of the table, at "
+            f"{', '.join(f'{stress:.3g}' for stress in rows.normal_stress_MPa)} MPa ({status}: "
+            f"{', '.join(rows[status].unique())}); aperture-bound has the upper bound"
+            for (cycle, branch), rows in unknown.groupby(["cycle", "branch"])
+        ]
+    return lines
 
 
 def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:

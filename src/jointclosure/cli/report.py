@@ -137,9 +137,15 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
     laws["law"] = laws.law.str.replace("_", "-")
     first = pd.DataFrame(record["table"])
 
+    wider = pd.DataFrame(record.get("with_other_choices") or {})
+
     def text(name: str, cycle: int = 1) -> str:
         """Return a result with its range, if that is known; "" if there is none."""
         return first.loc[QUANTITIES[name], f"cycle {cycle}"].removeprefix(ABSENT)
+
+    def with_choices(name: str, cycle: int = 1) -> str:
+        """Return the range of a result with other choices of the model; "" if there is none."""
+        return "" if wider.empty else wider.loc[QUANTITIES[name], f"cycle {cycle}"]
 
     loading = curves[curves.branch == LOADING]
     bands = {name: with_bands(loading, name, 3) for name in CURVES if name in loading}
@@ -153,13 +159,13 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
         tables["named"] = pd.DataFrame(record["at"])
     if record.get("at_with_other_choices"):
         tables["named_choices"] = pd.DataFrame(record["at_with_other_choices"])
-    if record.get("with_other_choices"):
-        wider = pd.DataFrame(record["with_other_choices"])
+    if len(wider):
         tables["choices"] = wider.rename_axis("result").reset_index()
     return record | {
         "notes": _notes(record),
         "size": size_text(tuple(record["cells_y_x"]), 1e-3 * record["spacing_mm"]),
         "text": text,
+        "with_choices": with_choices,
         "not_modelled": NOT_MODELLED,
         "ends": sorted({1, int(history.load_cycle.max())}),
         "seating": 1e-6 * float(history.attrs["seating_stress_Pa"]),

@@ -25,6 +25,7 @@ from jointclosure.statistics.number_texts import number_text, significant, with_
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
+from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 from jointclosure.uncertainty.results import APERTURE, FITTED, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
 
@@ -310,6 +311,11 @@ def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
         "the hydraulic aperture is 0, as the flow is blocked,": aperture == 0.0,
         "only bounds of the hydraulic aperture are known": aperture.isna(),
     }
+    if RANGE_FLOW_STATUS in reached:
+        unknown = reached[RANGE_FLOW_STATUS].isin(ONLY_BOUNDS) & aperture.notna()
+        cases["the hydraulic aperture has no range, as one of its simulations has only bounds,"] = (
+            unknown
+        )
     remarks = []
     for what, here in cases.items():
         parts = []

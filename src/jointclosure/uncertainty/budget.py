@@ -71,8 +71,8 @@ class Budget(NamedTuple):
         Sources taken as exact.
     curves : DataFrame
         The `stress_table` of the joint, with low and high of each of `CURVES`, and `WIDER` ends if
-        there are ``choices``. Its ``flow_status``
-        is that of the variant of whose flow least is known.
+        there are ``choices``. With flow, `RANGE_FLOW_STATUS` is the status of that variant of whose
+        flow least is known: where it gives bounds only, the hydraulic aperture has no range.
     choices : tuple of str
         Descriptions of the choices of the model that were changed.
     numerical : DataFrame
@@ -193,7 +193,10 @@ class Budget(NamedTuple):
         if share < 1.0:
             return [line]
         return [
-            caution(f"{line}. They all change it in one direction, and the range may be biased")
+            caution(
+                f"{line}. They all change it in one direction: quote the range, which contains "
+                "both, and not the single value"
+            )
         ]
 
     def record(self) -> list[dict]:

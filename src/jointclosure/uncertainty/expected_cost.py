@@ -22,7 +22,7 @@ SCATTER = 1.4
 these walls with 200 x 200 and 300 x 300 cells were within the forecast."""
 BYTES = 1000  # memory for each cell, as measured between 100 x 100 and 400 x 400 cells
 BASE_BYTES = 300e6  # memory of the program with a small joint
-SMALL = 150 * 150  # cells up to which a joint with its range takes about 20 s or less
+SMALL = 150 * 150  # cells up to which a joint itself shows soon how long its range takes
 # Time of a joint over that by the paper's steps with all effects, measured on the last two of three
 # joints (100 x 100 cells). Tolerances of 0.1, 0.02 and 0.004 took 4.9, 5.2 and 13 times as long in
 # dolerite (30 MPa), 5.0, 4.0 and 12 times in siltstone (15 MPa). The factors were 3.6 and 6.1
@@ -74,6 +74,11 @@ def expected_cost(joint: UncertainJoint, workers: int | None = None) -> Cost | N
     return Cost((least, most), BASE_BYTES + BYTES * joint.cells * joints)
 
 
+def seconds_of_range(joint: UncertainJoint, seconds: float) -> float:
+    """Estimate the processor time [s] of the variants of a joint that itself took ``seconds``."""
+    return sum(seconds * v.step ** (-2.0 * min(EXPONENTS)) for v in joint.variants)
+
+
 def seconds_of_joint(
     upper: np.ndarray, lower: np.ndarray, conditions: Conditions
 ) -> tuple[float, float]:
@@ -81,8 +86,8 @@ def seconds_of_joint(
 
     A window of the walls is simulated, the whole of a small joint.
     """
-    _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
-    seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
+    time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
+    seconds, cells = time_of_window(upper, lower, WINDOW, conditions)
     share = upper.size / cells
     least, most = (
         factor * seconds * share**power
@@ -103,7 +108,7 @@ def relative_cost(effects: Effects, numerics: Numerics) -> float:
     return cost if effects.interaction else NO_INTERACTION_COST * cost
 
 
-def _time_of_window(
+def time_of_window(
     upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
 ) -> tuple[float, int]:
     """Return the processor time [s] to simulate the middle of two walls, and its cells."""

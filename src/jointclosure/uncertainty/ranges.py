@@ -29,7 +29,7 @@ import scipy
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
-from jointclosure.joint.status import FLOW_STATUSES, ONLY_BOUNDS
+from jointclosure.joint.status import FLOW_STATUSES, ONLY_BOUNDS, UNLOADING
 from jointclosure.joint.tables import ENDS, WIDER, with_transmissivity
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.results import (
@@ -56,6 +56,8 @@ WIDENED_OTHERS = 1.25
 first cycle were in their ranges (43 pairs, seeds 3000 to 3053), and 83 % of the results of second
 cycles (34 pairs, seeds 2000 to 2042)."""
 _SAME = 1e-6  # relative difference of two numbers that are one result
+RANGE_FLOW_STATUS = "range_flow_status"
+"""Column of `Budget.curves` with the status of that variant of whose flow least is known."""
 NUMBERS = ["best", *ENDS, *WIDER]
 """Columns of `Budget.ranges` other than shares of sources."""
 
@@ -209,6 +211,21 @@ _AT_MAXIMUM = {"closure_net_since_seating_mm": CLOSURE_NET, "mean_aperture_mm": 
 """Result that a curve has at the maximum stress of its cycle, by column of `stress_table`."""
 
 
+def _limit_on_branch(
+    limits: Mapping[tuple[int, str], float], cycle: int, branch: str, name: str
+) -> float:
+    """Return the numerical error [1] of a curve of `stress_table` on a branch of a cycle.
+
+    Unloading breaks nothing. Its stiffness has the error of the loading after it, which it equals,
+    and not that of the loading before it, in which asperities break.
+    """
+    result = _LIMIT_OF_BAND.get(name, "")
+    of_cycle = limits.get((cycle, result), 0.0)
+    if branch == UNLOADING and result == STIFFNESS:
+        return limits.get((cycle + 1, result), of_cycle)
+    return of_cycle
+
+
 def bands_of(
     curves: pd.DataFrame,
     sources: Mapping[str, Source],
@@ -230,19 +247,20 @@ def bands_of(
     shown = [name for name in CURVES if name in curves]
     above = curves.normal_stress_MPa > curves.normal_stress_MPa.min()  # where closures begin
     least = {True: curves.loc[above, shown].min(), False: dict.fromkeys(shown)}
-    for (cycle, _, stress), here in curves.groupby(places, sort=False):
-        row = here[here.source == ""].iloc[0].drop("source")
-        of_source = here.groupby("source")
+    for (cycle, branch, stress), here in curves.groupby(places, sort=False):
+        row = here[here.source == ""].drop(columns="source").to_dict("records")[0]
+        of_source = here.groupby("source", sort=False).indices
         if "flow_status" in row:
             known_statuses = [word for word in FLOW_STATUSES if (here.flow_status == word).any()]
-            row["flow_status"] = known_statuses[-1] if known_statuses else ""
+            row[RANGE_FLOW_STATUS] = known_statuses[-1] if known_statuses else ""
         for name in shown:
-            values = of_source[name].apply(np.array).to_dict()
+            of_curve = here[name].to_numpy()
+            values = {source: of_curve[rows_of] for source, rows_of in of_source.items()}
             known = np.isfinite(row[name])
             if name == "hydraulic_aperture_mm":  # quantiles of those with a known flow mislead
-                known &= row["flow_status"] not in ONLY_BOUNDS
+                known &= row[RANGE_FLOW_STATUS] not in ONLY_BOUNDS
             smallest = least[stress > curves.normal_stress_MPa.min()][name]
-            error = limits.get((int(cycle), _LIMIT_OF_BAND.get(name, "")), 0.0)
+            error = _limit_on_branch(limits, int(cycle), branch, name)
             numbers = {}
             if known:
                 numbers = _range_of(values, sources, shares, further, name, smallest, error)

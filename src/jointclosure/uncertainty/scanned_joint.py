@@ -1,5 +1,6 @@
 """Closure of a joint whose two walls were scanned: registration and simulation."""
 
+import time
 import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
@@ -34,7 +35,7 @@ from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import RESOLVED, check_choices
 from jointclosure.statistics.number_texts import percent
 from jointclosure.uncertainty.budget import Budget
-from jointclosure.uncertainty.expected_cost import expected_cost
+from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.uncertain_joint import (
     UncertainJoint,
@@ -45,6 +46,9 @@ from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.wall_files import Wall, registered_walls
 from jointclosure.walls.wall_roughness import joint_jrc
+
+ANNOUNCED = 10.0
+"""Expected processor time [s] of a range from which it is stated before."""
 
 
 class ClosedJoint(NamedTuple):
@@ -245,8 +249,10 @@ def close(
         sentence = cost.sentence(pair.upper.shape, pair.spacing)
         remark([sentence], [sentence])
 
+    start = time.process_time()
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
         history = simulation.run(watch)
+    of_range = seconds_of_range(uncertain, time.process_time() - start)
     of_holes = _force_in_holes(pair, history) if has_holes else []
     if has_holes:
         history = with_snapshots(history, snapshots)
@@ -256,6 +262,13 @@ def close(
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
 
+    if progress and of_range > ANNOUNCED:
+        remark(
+            [
+                f"the range takes {len(uncertain.variants)} further simulations, together about "
+                f"{rough_time(of_range)} of processor time"
+            ]
+        )
     try:
         with bar("range") if progress else nullcontext(_no_bar) as show:
             budget = uncertainty_budget(uncertain, history, show, workers, at)

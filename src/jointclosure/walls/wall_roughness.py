@@ -10,7 +10,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.walls.jrc import RELATIONS, Relation, jrc_of_z2, rms_slope
+from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS, Relation, jrc_of_z2, rms_slope
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 
 TILES = 6
@@ -81,7 +81,8 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
             relation.interval, scatter, scatter[_SLOPES[2]], spacing, first[0]
         )
         jrc, remark = jrc_of_relation(relation, *found)
-        add(f"JRC, {name}", jrc, remark=remark)
+        used = "; the one of close" if name == DEFAULT_RELATION else ""
+        add(f"JRC, {name}", jrc, remark=f"{remark}{used}")
     for axis in "xy":
         add(f"rms curvature along {axis}", 1e-3 * np.sqrt(means[f"curvature {axis}"]), "1/mm")
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
