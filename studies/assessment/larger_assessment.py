@@ -10,22 +10,21 @@ import pandas as pd
 from jointclosure.assessment.assess import NEEDED_AS_FAILS
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.compilation.code_digests import code_digest
-from jointclosure.statistics.two_level import Interval
 from jointclosure.storage.files import digest
 from studies.assessment.report_tables import (
     ALL_ROCKS,
     EFFECTS,
     ENDS,
-    JUDGED_COLUMNS,
     LEFT_OUT,
     NEEDED,
     SETTING,
+    SHOWN_COLUMNS,
     judged_effects,
+    judged_setting,
 )
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import settings_of
-from studies.paper.report.verdicts import REFERENCE, VERDICT_OF
 
 
 class BaseCondition(NamedTuple):
@@ -122,7 +121,7 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
             row: dict[str, Any] = {"rock": rock, "kind": EFFECTS if effects else SETTING}
             row |= {"variant": variant, "reference": first.reference, "cycle": cycle}
             row |= {"of_study": variant == stated, "joints": first.joints, "failed": int(fails)}
-            for quantity, name in JUDGED_COLUMNS.items():
+            for quantity, name in SHOWN_COLUMNS.items():
                 found = part[part.quantity == quantity].iloc[0]
                 row |= {
                     f"{name}_percent{suffix}": found[f"{end}_percent"]
@@ -143,14 +142,7 @@ def _judged(rows: list[dict[str, Any]], within: float) -> list[dict[str, Any]]:
     if rows[0]["kind"] == EFFECTS:
         verdict, needed_by = judged_effects(rows, within)
         return [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
-    return [row | {"verdict": _of_setting(row, within), "needed_by": ""} for row in rows]
-
-
-def _of_setting(row: Mapping[str, Any], within: float) -> str:
-    if row["variant"] == row["reference"]:
-        return REFERENCE
-    ends = (0.01 * row[f"change_percent{suffix}"] for suffix in ENDS.values())
-    return VERDICT_OF[Interval(*ends).within(within)]
+    return [row | {"verdict": judged_setting(row, within), "needed_by": ""} for row in rows]
 
 
 def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, Any]]:
@@ -164,7 +156,7 @@ def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, 
             row = part.iloc[0].to_dict() | {"rock": ALL_ROCKS}
             row |= {name: part[name].sum() for name in ("joints", "failed")}
             row |= {name: part[name].mean() for name in ("seconds", "time_percent")}
-            for name in ("change_percent", "gross_percent"):
+            for name in (f"{name}_percent" for name in SHOWN_COLUMNS.values()):
                 value = part[name].mean()
                 half = np.linalg.norm(part[f"{name}_high"] - part[name]) / rocks
                 row |= {name: value, f"{name}_low": value - half, f"{name}_high": value + half}

@@ -21,9 +21,8 @@ from studies.assessment.report_tables import (
     SETTING,
 )
 from studies.frame.panels import key, point_key
-from studies.frame.settings import BASE
 from studies.paper.report.verdicts import REFERENCE, TOO_FEW, WIDEST, is_too_wide, verdict_of_cycles
-from studies.paper.tables_1_to_3 import case_title, figure_text
+from studies.paper.tables_1_to_3 import figure_text
 
 SIZE = (4.2, 3.6)
 """Size of a panel [inches]: at the width of a phone its smallest letters have 9 pixels."""
@@ -41,7 +40,7 @@ _CLOSURES = {"change_percent": "net", "gross_percent": "gross"}
 _LETTERS = 26
 """Most letters of a line in a legend of two columns, so that it is not wider than the panel."""
 _OFFSET = 1.05
-"""Ratio of the times at which markers of two cycles are drawn, so that they do not overlap."""
+"""Ratio of the times at which marks of one setting are drawn, so that they do not overlap."""
 
 
 def pooled(table: pd.DataFrame) -> pd.DataFrame:
@@ -57,8 +56,9 @@ def _letters() -> dict[str, Any]:
 def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     """Draw the error of each setting over the time of a joint, with the setting of the study.
 
-    Bars are 95 % intervals. The legend has the verdict on each setting by these: whether its error
-    is shown to be within the request in all cycles, or beyond it in one. ``table`` is that of
+    Bars are 95 % intervals, marks of gross closure are hollow. The legend has the verdict on each
+    setting by these: whether its errors are shown to be within the request in all cycles, or one
+    beyond it. ``table`` is that of
     `studies.assessment.report_tables.assessed_table`, ``within`` the request [1].
     """
     shown = pooled(table[table.kind == SETTING]).astype({"cycle": int})
@@ -69,22 +69,33 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     variants = list(dict.fromkeys(shown.variant))
     cycles = sorted(shown.cycle.unique())
     marks = dict(zip(variants, _MARKS, strict=False))
+    # net closures and, hollow, gross ones of each cycle beside each other
+    drawn = list(itertools.product(cycles, _CLOSURES))
     for row in shown.itertuples():
-        at = row.seconds * _OFFSET ** (cycles.index(row.cycle) - 0.5 * (len(cycles) - 1))
-        style: dict[str, Any] = {"color": f"C{row.cycle - 1}", "marker": marks[row.variant]}
-        style |= _PALE if _is_pale(row) else {}
-        axes.errorbar([at], [row.change_percent], [_half_width(row)], ms=5, lw=1.0, **style)
-        if row.of_study:
-            ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
-            axes.plot([at], [row.change_percent], "o", **ring)
-    reach = max(abs(row.change_percent) + _half_width(row) for row in shown.itertuples())
-    axes.set(xscale="log", xlim=(0.6 * shown.seconds.min(), 1.8 * shown.seconds.max()))
+        for number, (cycle, name) in enumerate(drawn):
+            if cycle != row.cycle:
+                continue
+            at = row.seconds * _OFFSET ** (number - 0.5 * (len(drawn) - 1))
+            value = getattr(row, name)
+            style: dict[str, Any] = {"color": f"C{cycle - 1}", "marker": marks[row.variant]}
+            style |= {} if name == drawn[0][1] else {"mfc": "w"}
+            style |= _PALE if _is_pale(row, name) else {}
+            axes.errorbar([at], [value], [_half_width(row, name)], ms=5, lw=1.0, **style)
+            if row.of_study:
+                ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
+                axes.plot([at], [value], "o", **ring)
+    reach = max(
+        abs(getattr(row, name)) + _half_width(row, name)
+        for row in shown.itertuples()
+        for name in _CLOSURES
+    )
+    axes.set(xscale="log", xlim=(0.45 * shown.seconds.min(), 2.2 * shown.seconds.max()))
     decimal_ticks(axes.xaxis)
     end = max(1.3 * float(reach), 2.0 * limit)
     scale = percent_ticks(axes.yaxis, limit, -end, end)
     reference = shown.reference.iloc[0]
     axes.set_xlabel("processor time of a joint (s), logarithmic", **_letters())
-    lines = ["error of mean net closure (%)", f"against {reference}{scale}".replace(", ", ",\n")]
+    lines = ["error of mean closure (%)", f"against {reference}{scale}".replace(", ", ",\n")]
     words = "\n".join(lines)
     axes.set_ylabel(words, **_letters())
     axes.set_title("Error against time", fontsize=10)
@@ -95,10 +106,11 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     ]
     handles += [key(f"cycle {cycle}", color=f"C{cycle - 1}", lw=3) for cycle in cycles]
     handles += [
+        point_key("hollow: gross, else net", "o", color="0.4", mfc="w", ms=5),
         point_key("this study", "o", mfc="none", mec="k", mew=1.2, ms=9),
         point_key("95 % interval", "|", color="0.4", ms=8),
     ]
-    if any(_is_pale(row) for row in shown.itertuples()):
+    if any(_is_pale(row, name) for row in shown.itertuples() for name in _CLOSURES):
         handles.append(point_key(fill(_NO_BAR, _LETTERS), "o", color="0.4", ms=5, **_PALE))
     joints = int(shown.joints.max())
     title = f"By {joints} joints, within ±{limit:g} % (grey)\nin all cycles or beyond it in one:"
@@ -210,10 +222,12 @@ def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     figure, axes = subplots(figsize=SIZE)
     rocks = list(titles)
     forces = np.nan_to_num([row.unbreakable_over_limit for row in worst])
+    judged = bool(table.jump_over_limit.notna().any())
     jumps = np.nan_to_num([row.jump_over_limit for row in worst])
     colours = [f"C{rocks.index(row.rock)}" for row in worst]
     axes.barh(range(len(worst)), forces, color=colours, height=0.6)
-    axes.plot(jumps, range(len(worst)), "D", color="0.2", mfc="w", ms=5, clip_on=False)
+    if judged:
+        axes.plot(jumps, range(len(worst)), "D", color="0.2", mfc="w", ms=5, clip_on=False)
     axes.axvline(1.0, color="0.3", ls="--", lw=1.0)
     ends = []
     for place, (row, rows) in enumerate(zip(worst, pairs, strict=True)):
@@ -234,13 +248,19 @@ def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     lines = [
         "measure of hardness over its limit (dashed)",
         f"bar: force on contacts that cannot break ({percent(LARGEST_UNBREAKABLE_SHARE)})",
-        f"diamond: largest closure jump under load control ({jump_limit})",
+        f"diamond: largest closure jump under load control ({jump_limit})"
+        if judged
+        else "jumps are not judged: the paper's steps make some of their own",
     ]
     if any(len(rows) > 1 for rows in pairs):
-        lines.append("bar and diamond: worst case of a pair of walls, line: its other cases")
+        marks = "bar and diamond" if judged else "bar"
+        lines.append(f"{marks}: worst case of a pair of walls, line: its other cases")
     figure.supxlabel("\n".join(lines), **_letters())
     total = int(table.ranked.iloc[0]) if len(table) else 0
-    figure.suptitle(f"The {len(worst)} hardest pairs of walls, of {total} joints", fontsize=10)
+    known = len(table) == total
+    of = f"{table.groupby(['rock', 'walls']).ngroups} pairs of walls ({total} joints)"
+    title = f"The {len(worst)} hardest of {of if known else f'{total} joints'}"
+    figure.suptitle(title, fontsize=10)
     axes.tick_params(labelsize=SMALL)
     axes.tick_params(axis="y", length=0)
     sns.despine(figure, left=True)
@@ -249,10 +269,11 @@ def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
 
 def _joint_title(row: Any, titles: Mapping[str, str], cases: int) -> str:
     """Name a joint: its rock and number, and in a second line its cases, or that which changed."""
-    rock, _, changed = case_title(titles, row.rock, row.parameter, row.level).rpartition(", ")
-    rock, changed = (rock, changed) if row.parameter != BASE else (titles[row.rock], "")
-    changed = changed if cases == 1 else f"{cases} cases"
-    return figure_text(f"{rock}, joint {row.joint}") + (f"\n{changed}" if changed else "")
+    changed = row.changed if isinstance(row.changed, str) else ""  # empty in a file
+    if cases > 1:
+        changed = f"worst of {cases}: {changed or 'base case'}"
+    first = figure_text(f"{titles[row.rock]}, joint {row.joint}")
+    return first + (f"\n{changed}" if changed else "")
 
 
 def _finished(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from jointclosure.assessment.assess import JUDGED, assessed_variants
+from jointclosure.assessment.assess import JUDGED, STIFFNESS, assessed_variants
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import AssessmentSection
@@ -32,7 +32,7 @@ COSTLY = 5.0
 variant is kept where the share does not allow all effects."""
 RESIDUAL = "residual_closure_seated_net"
 """Net closure that remains at seating."""
-READ = (*JUDGED, RESIDUAL)
+READ = (*JUDGED, RESIDUAL, STIFFNESS)
 """Quantities that are read of the joints."""
 
 

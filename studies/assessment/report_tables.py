@@ -14,6 +14,7 @@ from jointclosure.assessment.assess import (
     DROPS,
     JUDGED,
     NEEDED_AS_FAILS,
+    STIFFNESS,
     results_beyond,
     verdict_on_effects,
 )
@@ -32,7 +33,7 @@ from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.statistics.two_level import Interval, change_interval, t_interval
 from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
 from studies.frame.settings import BASE
-from studies.frame.tables import in_words, succeeded
+from studies.frame.tables import changes_of_cases, in_words, succeeded
 from studies.paper.closure_tables import estimate_columns
 from studies.paper.report.verdicts import JUMPS, REFERENCE, VERDICT_OF
 
@@ -51,13 +52,14 @@ OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
 class _Closed(NamedTuple):
     """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (n,) [s] of others.
 
-    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating, and
-    ``gross`` gross closures.
+    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating,
+    ``gross`` gross closures, and ``compliances`` [m/Pa] those of the net chord stiffness.
     """
 
     closures: np.ndarray
     residuals: np.ndarray
     gross: np.ndarray
+    compliances: np.ndarray
     seconds: np.ndarray
 
 
@@ -91,8 +93,9 @@ def assessed_table(
         closure since seating, ``seconds`` of a joint, and ``time_percent``, the change of the time
         from that of the study's joints; with standard errors. ``change_percent`` has its 95 %
         interval by Student's t (``_low``, ``_high``; infinite for one joint), and ``gross_percent``
-        is that of the mean gross closure. The ``verdict`` on a setting is one of `VERDICTS` by the
-        net closure of the cycle, or `REFERENCE`. That on effects is the one of
+        is that of the mean gross closure, ``stiffness_percent`` that of the (harmonic) mean net
+        chord stiffness. The ``verdict`` on a setting is one of `VERDICTS` by the net and the gross
+        closure of the cycle, or `REFERENCE`. That on effects is the one of
         `jointclosure.assess` by net and gross closure of all cycles, and ``needed_by`` names the
         results that make them needed. Times are those of joints that succeeded. ``remains_points``
         is the change of the share of the
@@ -150,12 +153,14 @@ def _is_base(study: xr.Dataset, rock: str) -> np.ndarray:
 
 def _of(joints: xr.Dataset) -> _Closed:
     good = joints.status < FAILURE
-    closures, residuals, gross = (
+    closures, residuals, gross, stiffness = (
         joints[name].where(good).transpose("joint", "cycle").values
-        for name in (CLOSURE, RESIDUAL, GROSS)
+        for name in (CLOSURE, RESIDUAL, GROSS, STIFFNESS)
     )
     seconds = joints.timing_simulation.transpose("joint").values
-    return _Closed(closures, residuals, gross, seconds[good.transpose("joint").values])
+    return _Closed(
+        closures, residuals, gross, 1.0 / stiffness, seconds[good.transpose("joint").values]
+    )
 
 
 def _rows(
@@ -181,7 +186,9 @@ def _rows(
     rows = []
     for place in range(pairs[0][0].closures.shape[1]):
         apart = [_apart(own, best, place) for own, best, _ in pairs]
-        samples, remains, gross = (np.concatenate(parts) for parts in zip(*apart, strict=True))
+        samples, remains, gross, stiffness = (
+            np.concatenate(parts) for parts in zip(*apart, strict=True)
+        )
         interval = _interval(samples, change_interval)
         row: dict[str, Any] = {"rock": rock}
         row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
@@ -191,7 +198,9 @@ def _rows(
         row |= _limit_columns("change_percent", interval)
         row["gross_percent"] = 100.0 * _mean(gross).value
         row |= _limit_columns("gross_percent", _interval(gross, change_interval))
-        row["verdict"] = REFERENCE if variant == reference else VERDICT_OF[interval.within(within)]
+        row["stiffness_percent"] = 100.0 * _mean(stiffness).value
+        row |= _limit_columns("stiffness_percent", _interval(stiffness, change_interval))
+        row["verdict"] = judged_setting(row, within)
         row["remains_points"] = 100.0 * _mean(remains).value
         row |= _limit_columns("remains_points", _interval(remains))
         row |= estimate_columns("seconds", seconds)
@@ -200,6 +209,17 @@ def _rows(
         verdict, needed_by = judged_effects(rows, within)
         rows = [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
     yield from rows
+
+
+def judged_setting(row: Mapping, within: float) -> str:
+    """Return the verdict on a setting in a cycle by net and gross closure, or `REFERENCE`."""
+    if row["variant"] == row["reference"]:
+        return REFERENCE
+    verdicts = {
+        Interval(*(0.01 * row[f"{name}_percent{end}"] for end in ENDS.values())).within(within)
+        for name in JUDGED_COLUMNS.values()
+    }
+    return VERDICT_OF[next((one for one in (False, None) if one in verdicts), True)]
 
 
 def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
@@ -223,7 +243,9 @@ def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
 ENDS = {"value": "", "low": "_low", "high": "_high"}
 """Suffixes of the columns of a number and of its interval."""
 JUDGED_COLUMNS = dict(zip(JUDGED, ("change", "gross"), strict=True))
-"""Beginnings of the columns of changes, by the closures by which effects are judged."""
+"""Beginnings of the columns of changes, by the closures by which variants are judged."""
+SHOWN_COLUMNS = JUDGED_COLUMNS | {STIFFNESS: "stiffness"}
+"""The same, with those that are shown besides."""
 
 
 def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
@@ -231,16 +253,19 @@ def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
 
     Their means are the relative change of the mean net closure, the difference of the shares of
     the mean closure that remain (ratios of means, the scatter by the delta method), and the
-    relative change of the mean gross closure.
+    relative changes of the mean gross closure and of the harmonic mean of the net chord stiffness.
     """
-    arrays = [part[:, place] for of in (own, best) for part in of[:3]]
-    known = np.isfinite(arrays).all(axis=0)
-    one, one_stays, one_gross, two, two_stays, two_gross = (values[known] for values in arrays)
+    of_both = [[part[:, place] for part in of[:4]] for of in (own, best)]
+    known = np.isfinite(of_both).all(axis=(0, 1))
+    (one, one_stays, one_gross, one_yields), (two, two_stays, two_gross, two_yields) = (
+        [values[known] for values in of] for of in of_both
+    )
     if not known.any():
-        return one, one, one
+        return one, one, one, one
     shares = [_linear_share(*of) for of in ((one_stays, one), (two_stays, two))]
     gross = (one_gross - two_gross) / two_gross.mean()
-    return (one - two) / two.mean(), shares[0] - shares[1], gross
+    stiffness = (two_yields - one_yields) / one_yields.mean()
+    return (one - two) / two.mean(), shares[0] - shares[1], gross, stiffness
 
 
 def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
@@ -380,14 +405,17 @@ _VERDICTS = (
 same; the last one is that of joints without a remark, of which no copies were simulated."""
 
 
-def hardness_table(study: xr.Dataset, within: float) -> pd.DataFrame:
+def hardness_table(study: xr.Dataset, within: float, jumps: bool) -> pd.DataFrame:
     """Rank the joints of a study by their status, and by the force and jumps that make them hard.
 
     Limits are those of `jointclosure.assess`: a tenth of the force on contacts that cannot break,
     and a largest closure jump under load control of ``within`` times the closure of its loading.
-    Copies of the joints, which it compares too, are not known.
+    Jumps are judged only if ``jumps``, which needs resolved breakage: fixed steps of closure make
+    jumps of their own. Copies of the joints and finer numerics, by which `jointclosure.assess`
+    judges, are not known.
 
-    Rows are joints, the worst first, at most `MOST_RANKED`: ``walls`` (seed of their pair of walls,
+    Rows are joints, the worst first, at most `MOST_RANKED`: ``changed`` (what their case changes,
+    "" for a base case), ``walls`` (seed of their pair of walls,
     which cases of common draws share), ``verdict``, ``reason``,
     ``unbreakable_percent`` (largest share of the force of all cycles), ``jump_percent`` (largest
     jump), both also over their limits (``unbreakable_over_limit``, ``jump_over_limit``),
@@ -397,8 +425,11 @@ def hardness_table(study: xr.Dataset, within: float) -> pd.DataFrame:
     """
     order = ("case", "realization")
     status = study.status.transpose(*order).values
+    changes = list(changes_of_cases(study).values())
     share = unbreakable_share(study).max("cycle").transpose(*order).values
     jump = study.largest_jump.transpose(*order).values
+    if not jumps:
+        jump = np.full(jump.shape, math.nan)
     residual = study.largest_residual.transpose(*order).values
     steps = study.breakage_steps.transpose(*order).values.astype(float)
     effort = np.full(steps.shape, math.nan)
@@ -420,6 +451,7 @@ def hardness_table(study: xr.Dataset, within: float) -> pd.DataFrame:
         row: dict[str, Any] = {
             name: study[name].values[at[0]] for name in ("rock", "parameter", "level")
         }
+        row["changed"] = changes[at[0]]
         row["walls"] = str(study.seed.values[at])
         row |= {"joint": int(study.realization.values[at[1]]), "status": int(status[at])}
         row["verdict"] = _VERDICTS[group[at]]

@@ -153,7 +153,7 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
     figure = axes.get_figure(root=True)
     assert figure is not None
     figure.supxlabel(x, fontsize="medium")
-    figure.supylabel(y, fontsize="medium")
+    figure.supylabel(y.replace(", ", ",\n"), fontsize="medium")
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", frameon=False, ncols=2)
     sns.despine(figure)

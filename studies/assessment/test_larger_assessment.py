@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.assessment.assess import JUDGED, NEEDED_AS_FAILS
+from jointclosure.assessment.assess import JUDGED, NEEDED_AS_FAILS, STIFFNESS
 from studies.assessment.larger_assessment import base_conditions, with_larger
 from studies.assessment.report_tables import ALL_ROCKS, EFFECTS, NEEDED, assessed_table, cost_table
 from studies.assessment.test_report_tables import EFFECTS as ACTING
@@ -28,7 +28,10 @@ def larger_table(conditions, joints=8):
     """Return a table of `make assess` with known changes; without breakage joints fail."""
     rows = []
     for rock, (variant, change), quantity, cycle in itertools.product(
-        conditions, [*CHANGES.items(), ("without breakage", (np.nan, np.inf))], JUDGED, (1, 2)
+        conditions,
+        [*CHANGES.items(), ("without breakage", (np.nan, np.inf))],
+        (*JUDGED, STIFFNESS),
+        (1, 2),
     ):
         setting = not variant.startswith("without")
         value, half = change if quantity == JUDGED[0] or setting else (3.0, 1.0)
@@ -119,7 +122,7 @@ def test_the_headline_is_of_the_larger_assessment(replaced):
     cost = cost_table([study], {rock: joints_of(rock) for rock in ROCKS}, PLAN)
     cost["joints_of_make_assess"] = replaced[1]
     words = bias_of({"study_assessment": table, "study_assessment_cost": cost})
-    assert "change the net closure by 2.0 (1.3 to 2.7) % on cycle 1 and" in words
+    assert "net closure since seating 2.0 (1.3 to 2.7) % on cycle 1 and" in words
     assert "against tolerance 0.004 on the same walls" in words
     assert "16 joints of Slate, Dolerite" in words
     assert "share that remains" not in words

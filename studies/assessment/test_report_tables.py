@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.assessment.assess import CLOSURE, NEEDED_AS_FAILS
+from jointclosure.assessment.assess import CLOSURE, NEEDED_AS_FAILS, STIFFNESS
 from jointclosure.cli.report import Picture, render
 from studies.assessment.report_panels import WORST, accuracy_panel, effects_panel, hardness_panel
 from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
@@ -23,6 +23,7 @@ from studies.assessment.report_tables import (
     assessed_table,
     cost_table,
     hardness_table,
+    judged_setting,
 )
 from studies.paper.report.content import assessed, numerical_bias
 from studies.paper.report.tables import with_limits
@@ -56,6 +57,7 @@ def dataset():
             CLOSURE: ((*order, "cycle"), [CLOSURES[rock] for rock in ROCKS]),
             RESIDUAL: ((*order, "cycle"), [STAYS * CLOSURES[rock] for rock in ROCKS]),
             GROSS: ((*order, "cycle"), [2.0 * CLOSURES[rock] for rock in ROCKS]),
+            STIFFNESS: ((*order, "cycle"), [1e7 / CLOSURES[rock] for rock in ROCKS]),
             "timing_simulation": (order, [OWN_SECONDS, 2.0 * OWN_SECONDS]),
             "locked_share": ((*order, "cycle"), locked),
             "flat_share": ((*order, "cycle"), 0.0 * locked),
@@ -64,7 +66,9 @@ def dataset():
             "breakage_steps": (order, [[10, 20, 30], [20, 20, 60]]),
         },
         coords={"realization": [0, 1, 2], "cycle": [1, 2], "rock": ("case", list(ROCKS)),
-                "parameter": ("case", ["base", "base"]), "level": ("case", ["base", "base"])},
+                "parameter": ("case", ["base", "base"]), "level": ("case", ["base", "base"]),
+                "case": list(ROCKS),
+                "value": ("case", [np.nan, np.nan])},
     )  # fmt: skip
 
 
@@ -79,6 +83,7 @@ def joints_of(rock, scale=1.0):
             CLOSURE: (("joint", "cycle"), values),
             RESIDUAL: (("joint", "cycle"), REMAINS * values),
             GROSS: (("joint", "cycle"), 2.0 * values),
+            STIFFNESS: (("joint", "cycle"), 1e7 / values),
             "timing_simulation": ("joint", seconds),
         },
         coords={"variant": ("joint", np.repeat(np.array(list(CHANGED), object), 2))},
@@ -219,7 +224,7 @@ def test_the_cost_is_the_share_of_the_time_of_all_joints(study, joints):
 
 
 def test_joints_are_ranked_by_status_then_by_the_measure_that_is_farthest_beyond_its_limit():
-    table = hardness_table(dataset(), WITHIN)
+    table = hardness_table(dataset(), WITHIN, jumps=True)
     assert table.verdict.tolist() == [
         "not stable: failed",
         "jumped over the maximum stress",
@@ -245,6 +250,15 @@ def test_joints_are_ranked_by_status_then_by_the_measure_that_is_farthest_beyond
     assert table.verdict_joints.tolist() == [1, 1, 2, 2, 1, 1]
 
 
+def test_jumps_of_fixed_steps_are_not_judged():
+    table = hardness_table(dataset(), WITHIN, jumps=False)
+    assert JUMPS not in set(table.verdict)
+    assert table.jump_percent.isna().all()
+    assert not table.reason.str.contains("largest jump").any()
+    axes = hardness_panel(table, {"slate": "Slate", "dolerite": "Dolerite"}).axes[0]
+    assert not [line for line in axes.lines if line.get_marker() == "D"]
+
+
 @pytest.fixture
 def accuracy_axes(table):
     """Axes of the accuracy panel, and the rows of settings that it shows."""
@@ -255,8 +269,11 @@ def accuracy_axes(table):
 def test_the_accuracy_panel_shows_every_setting(accuracy_axes):
     axes, rows = accuracy_axes
     drawn = sorted((one.lines[0].get_ydata()[0], *bar_of(one)[:, 1]) for one in axes.containers)
-    ends = ["change_percent", "change_percent_low", "change_percent_high"]
-    expected = rows[ends].to_numpy().tolist()
+    expected = [
+        row
+        for name in ("change_percent", "gross_percent")
+        for row in rows[[name, f"{name}_low", f"{name}_high"]].to_numpy().tolist()
+    ]
     np.testing.assert_allclose(drawn, sorted(expected), atol=1e-9)
     assert "logarithmic" in axes.get_xlabel()
 
@@ -289,7 +306,8 @@ def test_two_joints_determine_an_error_by_students_t(study, joints, factors, wit
     values = part[CLOSURE].values.copy()
     values[finest] = 1e-4
     values[closed] = 1e-4 * np.array(factors)[:, None]
-    part[CLOSURE] = part[CLOSURE].dims, values
+    for name in (CLOSURE, GROSS):
+        part[name] = part[name].dims, values
     table = assessed_table(study, {"slate": part}, PLAN, {"slate": jc.Effects()}, within)
     rows = table[(table.rock == "slate") & (table.variant == "tolerance 0.1")]
     assert set(rows.verdict) == {verdict} == {verdict_of_cycles(rows)}
@@ -297,6 +315,20 @@ def test_two_joints_determine_an_error_by_students_t(study, joints, factors, wit
     assert rows.change_percent_high.iloc[0] == pytest.approx(
         100.0 * (np.mean(factors) - 1.0 + half), abs=0.01
     )
+
+
+def test_a_setting_is_within_the_request_only_by_net_and_gross_closure(table):
+    row = row_of(table, "slate", "tolerance 0.1")._asdict()
+    for net, gross, verdict in ((1.0, 1.0, "within"), (1.0, 9.0, "beyond"), (9.0, 1.0, "beyond")):
+        for name, value in (("change", net), ("gross", gross)):
+            row |= {f"{name}_percent{end}": value for end in ("", "_low", "_high")}
+        assert judged_setting(row, WITHIN) == verdict
+
+
+def test_the_stiffness_is_compared_by_its_harmonic_mean(table):
+    row = row_of(table, "slate", "tolerance 0.1")  # stiffness is inverse to closure here
+    factor = CHANGED["tolerance 0.1"] / CHANGED["tolerance 0.02"]
+    assert row.stiffness_percent == pytest.approx(100.0 * (1.0 / factor - 1.0))
 
 
 def test_the_share_that_remains_is_compared_too(table):
@@ -320,8 +352,9 @@ def test_the_verdict_on_a_setting_is_that_of_its_worst_cycle(verdicts, verdict):
 def test_the_accuracy_panel_rings_the_setting_of_the_study(accuracy_axes):
     axes, rows = accuracy_axes
     rings = [line for line in axes.lines if line.get_markersize() == 12]
-    of_study = rows[rows.of_study.astype(bool)].change_percent
-    assert [line.get_ydata()[0] for line in rings] == pytest.approx(of_study.tolist())
+    of_study = rows[rows.of_study.astype(bool)]
+    expected = of_study[["change_percent", "gross_percent"]].to_numpy().ravel()
+    assert [line.get_ydata()[0] for line in rings] == pytest.approx(expected.tolist())
 
 
 def bar_of(container):
@@ -384,7 +417,7 @@ def test_the_effects_panel_says_what_was_not_tested(effects_axes):
 
 
 def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
-    table = hardness_table(dataset(), WITHIN)
+    table = hardness_table(dataset(), WITHIN, jumps=True)
     titles = {"slate": "Slate of Wales", "dolerite": "Dolerite"}
     axes = hardness_panel(table, titles).axes[0]
     lengths = [bar.get_width() for bar in axes.patches]
@@ -400,9 +433,9 @@ def test_the_hardness_panel_shows_the_worst_joints_first_with_verdicts():
 
 
 def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_cases():
-    table = hardness_table(dataset(), WITHIN)
+    table = hardness_table(dataset(), WITHIN, jumps=True)
     slate = table[table.rock == "slate"]
-    soft = slate.assign(parameter="youngs_modulus", level="low")
+    soft = slate.assign(changed="Young's modulus 22 GPa")
     soft["unbreakable_over_limit"] += 4.0
     both = pd.concat([soft, slate], ignore_index=True)
     axes = hardness_panel(both, {"slate": "Slate"}).axes[0]
@@ -411,7 +444,9 @@ def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_ca
     lines = [line.get_xdata() for line in axes.lines if line.get_marker() == "|"]
     np.testing.assert_allclose(lines, np.column_stack([shares, shares + 4.0]))
     assert axes.get_xlim()[1] > 1.5 * (shares.max() + 4.0)
-    assert axes.get_yticklabels()[0].get_text() == "Slate, joint 2\n2 cases"
+    assert (
+        axes.get_yticklabels()[0].get_text() == "Slate, joint 2\nworst of 2: Young's modulus 22 GPa"
+    )
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -424,7 +459,8 @@ def test_the_report_says_what_was_reached_or_why_nothing_is_known(closed, study,
     if closed:
         row = row_of(table, ALL_ROCKS, "the paper's steps")
         ends = f"{row.change_percent_low:.0f} to {row.change_percent_high:.0f}"
-        assert about["errors"][0] == f"{row.change_percent:.0f} ({ends}) % on cycle 1: beyond"
+        change = f"{row.change_percent:.0f} ({ends}) %"
+        assert about["errors"][0] == f"net {change}, gross {change} on cycle 1: beyond"
         assert about["verdicts"]["tolerance 0.02"] == "reference"
         assert about["rocks"] == ["Slate", "Dolerite"]
         assert about["samples"] == 4
@@ -444,15 +480,21 @@ def test_the_headline_has_the_error_of_the_numerics_of_the_study(study, joints, 
     row = row_of(table, ALL_ROCKS, "the paper's steps")
     words = bias_of({"study_assessment": table, "study_assessment_cost": cost})
     ends = f"{row.change_percent_low:.0f} to {row.change_percent_high:.0f}"
-    assert f"(the paper's steps) change the net closure by 25 ({ends}) % on cycle 1 and" in words
-    assert "against tolerance 0.02 on the same walls" in words
+    assert "numerics of this study (the paper's steps) have errors against tolerance 0.02" in words
+    assert f"net closure since seating 25 ({ends}) % on cycle 1 and" in words
+    assert f"; gross closure 25 ({ends}) % on cycle 1 and" in words
+    assert f"; net chord stiffness {row.stiffness_percent:.0f} (" in words
+    assert "no ± contains them" in words
     assert "share that remains is off by 10 (10 to 10) percentage points" in words
     assert "4 joints of Slate, Dolerite" in words
 
 
 def test_the_headline_says_that_joints_are_too_few_for_an_error(study, joints, table):
     cost = cost_table([study], joints, PLAN)
-    wide = table.assign(change_percent_low=-500.0, change_percent_high=360.0)
+    wide = table.assign(
+        **{f"{name}_percent_low": -500.0 for name in ("change", "gross", "stiffness")},
+        **{f"{name}_percent_high": 360.0 for name in ("change", "gross", "stiffness")},
+    )
     words = bias_of({"study_assessment": wide, "study_assessment_cost": cost})
     assert "not known, because 4 joints of Slate, Dolerite are too few. make assess" in words
     assert "360" not in words
@@ -462,8 +504,8 @@ def test_the_headline_names_the_cycles_for_which_joints_are_too_few(study, joint
     cost = cost_table([study], joints, PLAN)
     one = table.assign(change_percent_low=table.change_percent_low.where(table.cycle == 1, -500.0))
     words = bias_of({"study_assessment": one, "study_assessment_cost": cost})
-    assert " % on cycle 1 against" in words
-    assert "On other cycles: too few joints. make assess" in words
+    assert re.search(r"net closure since seating [^;]*on cycle 1; gross closure", words)
+    assert "Of other results and cycles: too few joints. make assess" in words
 
 
 def test_the_headline_says_why_the_error_of_the_numerics_is_not_known(study, joints, table):

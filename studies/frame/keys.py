@@ -441,6 +441,8 @@ def _allowed(error: dict) -> str:
         return "must be a list of values, such as [1, 2]"
     allowed = re.sub(r"^\w+ should", "must", error["msg"])
     # 1e-3 is a text to YAML, 1.0e-3 is a number
+    if isinstance(value, list) and kind in ("float_type", "int_type"):
+        return f"{allowed}, not a list; further values of a property of rock belong to its levels"
     number = isinstance(value, str) and kind in ("float_type", "int_type")
     if number and re.fullmatch(r"[-+]?[0-9]+,[0-9]+", value):
         return f"{allowed}; the decimal sign is a point: write {value.replace(',', '.')}"

@@ -119,12 +119,14 @@ def estimate_time(
 
 def described_time(estimate: pd.DataFrame, notes: Sequence[str] = ()) -> str:
     """Describe a table of `estimate_time` in a sentence, with ``notes`` on what it leaves out."""
-    minutes = estimate.seconds.sum() / 60
-    error = math.hypot(*estimate.error) / 60
-    known = rounded(minutes, error) if error > 0.0 else f"{minutes:.2g}"
+    seconds = float(estimate.seconds.sum())
+    unit, size = ("minutes", 60.0) if seconds >= 60.0 else ("seconds", 1.0)
+    value = seconds / size
+    error = math.hypot(*estimate.error) / size
+    known = rounded(value, error) if error > 0.0 else f"{value:.2g}"
     words = f"± standard error, from {estimate.tried.sum()} joints"
     return "; ".join([
-        f"{estimate.joints.sum()} joints will take about {known} minutes of processor time on this "
+        f"{estimate.joints.sum()} joints will take about {known} {unit} of processor time on this "
         f"machine ({words if error > 0.0 else 'from one joint of each kind'})",
         *notes,
     ])  # fmt: skip

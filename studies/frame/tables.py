@@ -54,6 +54,20 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
     )
 
 
+def changes_of_cases(study: xr.Dataset) -> dict[str, str]:
+    """Return what each case changes, with its value, such as "JRC 12"; "" for base cases."""
+    texts = {}
+    columns = (study[name].values.tolist() for name in ("case", "parameter", "value"))
+    for label, parameter, value in zip(*columns, strict=True):
+        if np.isnan(value):
+            texts[label] = ""
+            continue
+        about = PROPERTIES[parameter]
+        unit = "" if about.unit == "1" else f" {about.unit}"
+        texts[label] = f"{about.title} {value / about.size:.4g}{unit}"
+    return texts
+
+
 def succeeded(study: xr.Dataset) -> xr.DataArray:
     """Return whether each simulation succeeded: its status is below `FAILURE`."""
     return study.status < FAILURE

@@ -141,6 +141,7 @@ ACCURATE = {"accuracy": {"within": 0.1}}
      ({"study": {"realizations": "20"}}, "study.realizations = '20': must be a valid integer"),
      ({"seating_stress_MPa": "0,5"}, "the decimal sign is a point: write 0.5"),
      ({"study": {"rocks": "slate"}}, "study.rocks = 'slate': must be a list of values"),
+     ({"rocks": {"slate": {"jrc": [6, 9]}}}, "not a list; further values of a property of rock"),
      ({"study": {"rocks": ["dolorite"]}}, "'dolorite': must be one of rocks"),
      ({"numerics": {"breakage_step_um": 12.5}}, "breakage_step = 1.25e-05"),
      ({"effects": {"substrate": False}}, "substrate = False needs interaction = False"),

@@ -119,7 +119,9 @@ def test_the_time_of_all_joints_is_estimated_from_a_few_of_each_kind(all_points,
 
 def test_the_error_of_an_estimate_of_seconds_is_not_rounded_to_0():
     table = pd.DataFrame({"joints": [44], "tried": [3], "seconds": [2.04], "error": [0.3]})
-    assert "about 0.034 ± 0.005 minutes" in described_time(table, ["a note"])
+    assert "about 2.04 ± 0.30 seconds" in described_time(table, ["a note"])
+    minutes = table.assign(seconds=120.0, error=6.0)
+    assert "about 2.00 ± 0.10 minutes" in described_time(minutes)
     assert described_time(table, ["a note"]).endswith("; a note")
 
 

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.tables import stress_table
@@ -13,6 +14,7 @@ from studies import __main__ as cli
 from studies.commands import compare
 from studies.commands.engineering import curves_with_quantiles
 from studies.frame.panels import PanelColumn, Row, panels
+from studies.frame.tables import changes_of_cases
 from tests.joints import DOLERITE, ELASTIC, SPACING
 from tests.studied import study_of
 from tests.world import world
@@ -196,3 +198,18 @@ def test_failures_are_left_out_on_both_sides():
     changes = compare.closure_changes(study(), broken)
     assert changes[changes.case == "slate-base"].samples.unique() == 5
     np.testing.assert_allclose(changes.change_percent, 10.0)
+
+
+def test_what_a_case_changes_is_named_with_its_value_and_unit():
+    study = xr.Dataset(
+        coords={
+            "case": ["slate-base", "slate-e", "slate-jrc"],
+            "parameter": ("case", ["base", "youngs_modulus", "jrc"]),
+            "value": ("case", [np.nan, 22.5e9, 6.0]),
+        }
+    )
+    assert changes_of_cases(study) == {
+        "slate-base": "",
+        "slate-e": "Young's modulus 22.5 GPa",
+        "slate-jrc": "JRC 6",
+    }

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import CYCLES, barton_bandis, law_holds
@@ -225,6 +226,7 @@ def closure_figure(
             axes.set_title(title if part == 0 else _cycles_in_words(shown))
             if part:
                 axes.set(xlabel="the same (mm)", ylabel="")
+                axes.xaxis.set_major_locator(MaxNLocator(4))  # the labels of small closures are long
             axes.tick_params(labelleft=part == 0)
     handles: list[Artist] = [key(f"cycle {c}", color=f"C{c - 1}", lw=2) for c in cycles]
     handles += [

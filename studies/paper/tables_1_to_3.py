@@ -3,7 +3,6 @@
 import contextlib
 import re
 import unicodedata
-from collections.abc import Mapping
 
 import pandas as pd
 
@@ -41,13 +40,6 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 def roughness_title(rock: StudyRock) -> str:
     """Describe a rock's walls for a figure: their JRC, or "scanned walls"."""
     return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
-
-
-def case_title(titles: Mapping[str, str], rock: str, parameter: str, level: str) -> str:
-    """Name a case by rock and change, such as "Slate, JRC high"; a base case by its rock alone."""
-    if parameter == BASE:
-        return titles[rock]
-    return f"{titles[rock]}, {PROPERTIES[parameter].title} {level.replace('_', ' ')}"
 
 
 def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper.closure_tables import max_closure_table
 from studies.paper.report import content as report
 from studies.paper.report.page import sheet
+from studies.paper.report.tables import base_closures
 from studies.paper.tables_1_to_3 import (
     closure_lines,
 )
@@ -110,7 +111,11 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
     })  # fmt: skip
     assert report.most_sensitive(table, "youngs_modulus") == verdict
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
-    assert report.headline(table) == about
+    assert report.headlines(table) == [about]
+    first = table.assign(cycle=1, elasticity=table.elasticity[::-1].to_numpy())
+    others = report.headlines(pd.concat([first, table]))
+    assert [one["cycle"] for one in others] == [1, 2]
+    assert others[1] == about
 
 
 def test_a_page_has_columns_of_adjusted_numbers_only_where_something_is_adjusted():
@@ -120,3 +125,15 @@ def test_a_page_has_columns_of_adjusted_numbers_only_where_something_is_adjusted
     assert sheet(table.assign(adjusted_mean_mm=0.21), names).titles[2:] == ["Adjusted mean mm"]
     # other numbers that are not known keep their column
     assert sheet(table.assign(mean_mm=np.nan), names).titles == ["Rock", "Mean mm"]
+
+
+def test_adjusted_means_are_shown_only_where_their_errors_are_smaller():
+    mean, adjusted = "max_closure_mean_mm", "max_closure_adjusted_mean_mm"
+    table = pd.DataFrame({
+        "parameter": "base", "cycle": [1, 2],
+        mean: 1.0, f"{mean}_standard_error": 0.1,
+        adjusted: 1.0, f"{adjusted}_standard_error": [0.02, 0.2],
+    })  # fmt: skip
+    shown = base_closures(table)
+    assert shown[adjusted].notna().tolist() == [True, False]
+    assert shown[mean].notna().all()

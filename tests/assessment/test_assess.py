@@ -6,7 +6,15 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.assessment import assess as module
-from jointclosure.assessment.assess import ASSESSED, FEATURES, HARD_CASES, JUDGED, Assessment
+from jointclosure.assessment.assess import (
+    ASSESSED,
+    FEATURES,
+    HARD_CASES,
+    JUDGED,
+    Assessment,
+    assessed_variants,
+)
+from jointclosure.joint.conditions import Conditions
 from jointclosure.storage.files import read_csv
 from tests.joints import DOLERITE, SPACING
 
@@ -292,3 +300,20 @@ def test_a_scene_that_fails_without_an_effect_needs_it():
     assert Assessment(closed, LADDER, "middle", 0.05).verdict("without gouge") == "needed: fails"
     wide = Assessment(closures(effect=0.05, scatter=0.05), LADDER, "middle", 0.05)
     assert wide.verdict("without gouge") == "not decided"
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "names"),
+    [
+        (0.02, ["tolerance 0.1", "tolerance 0.02", "tolerance 0.004"]),
+        (0.05, ["tolerance 0.1", "tolerance 0.05", "tolerance 0.02", "tolerance 0.004"]),
+    ],
+)
+def test_a_stated_tolerance_takes_its_place_among_the_settings(tolerance, names):
+    """Configurations begin with the paper's first step, and `RESOLVED` with a shorter one."""
+    numerics = jc.Numerics(breakage="resolved", tolerance=tolerance)
+    given = Conditions(SPACING, DOLERITE, 10e6, numerics=numerics)
+    stated, ladder, variants = assessed_variants(given)
+    assert ladder == ["the paper's steps", *names]
+    assert stated == f"tolerance {tolerance:g}"
+    assert variants[stated] == given

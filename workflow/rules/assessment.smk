@@ -70,6 +70,7 @@ rule rank_joints:
     params:
         key=KEYS["study"],
         within=(STUDY.assessment or AssessmentSection()).within,
+        jumps=STUDY.numerics.breakage == "resolved",
         code=code("rank_joints.py"),
     message:
         "Rank the joints of the study by hardness"

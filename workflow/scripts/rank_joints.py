@@ -9,4 +9,7 @@ from studies.frame.datasets import CURVES
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):
         study = read_checked(snakemake.input.study, snakemake.params.key, without=CURVES)
-        write_csv(hardness_table(study, snakemake.params.within), snakemake.output[0])
+        write_csv(
+            hardness_table(study, snakemake.params.within, snakemake.params.jumps),
+            snakemake.output[0],
+        )

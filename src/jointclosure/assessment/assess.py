@@ -491,7 +491,7 @@ def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Cond
             name: given._replace(numerics=numerics._replace(curve_points=points))
             for name, numerics in LADDER.items()
         }
-        variants = settings if given in settings.values() else variants | settings
+        variants = _with_stated(settings, given)
     stated = next(name for name, variant in variants.items() if variant == given)
     ladder = list(variants)
     for names in DROPS:
@@ -501,6 +501,22 @@ def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Cond
         if acting and (fewer.substrate or not fewer.breakage):
             variants[without(acting)] = given._replace(effects=fewer)
     return stated, ladder, variants
+
+
+def _with_stated(settings: Mapping[str, Conditions], given: Conditions) -> dict[str, Conditions]:
+    """Return settings of the numerics, ordered by their accuracy, among which is the stated one.
+
+    Resolved breakage as stated takes the place of the setting with its tolerance, from which it may
+    differ in its first steps.
+    """
+    if given in settings.values():
+        return dict(settings)
+    if given.numerics.breakage != "resolved":
+        return {"as stated": given} | settings
+    named = settings | {f"tolerance {given.numerics.tolerance:g}": given}
+    coarse = [name for name, one in named.items() if one.numerics.breakage != "resolved"]
+    resolved = sorted(named.keys() - coarse, key=lambda name: -named[name].numerics.tolerance)
+    return {name: named[name] for name in (*coarse, *resolved)}
 
 
 def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:

@@ -22,7 +22,7 @@ from jointclosure.statistics.standard_errors import (
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
 from studies.frame.settings import SIDES
-from studies.frame.tables import succeeded
+from studies.frame.tables import changes_of_cases, succeeded
 from studies.paper.checks import (
     REMARKS,
     change_in_words,
@@ -39,12 +39,18 @@ from studies.paper.report.verdicts import (
     verdict_of_cycles,
 )
 from studies.paper.requirements import REPORTED
-from studies.paper.tables_1_to_3 import case_title, test_name
+from studies.paper.tables_1_to_3 import test_name
 
 STAYS = "Share that remains at seating (%)"
 CLOSES = "Net closure since seating, cycle {cycle} (mm)"
 DECIDES = "make assess with the configuration of this study decides this."
 """What to do where joints of the assessment are too few."""
+ERRORS = {
+    "change_percent": "net closure since seating",
+    "gross_percent": "gross closure",
+    "stiffness_percent": "net chord stiffness",
+}
+"""Results whose numerical error is stated in the headline, by column of the assessment."""
 HALF_WIDTH = "_half_width"
 """Suffix of the columns of half-widths of 95 % intervals."""
 
@@ -79,7 +85,7 @@ def content(material: Material) -> dict:
     return {
         "ranges": ranges_over_rocks(numbers, configuration),
         "bias": numerical_bias(of_assessment),
-        "headline": headline(known.get("elasticities")),
+        "headlines": headlines(known.get("elasticities")),
         "configuration": configuration,
         "rocks": configuration.rocks,
         "joint_size": size_text((grid.cells_y, grid.cells_x), grid.spacing),
@@ -142,7 +148,8 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
         most = most_changed(rows)
         change = "no joint is left without them"
         if most is not None:
-            case = case_title(titles, most.rock, most.parameter, most.level)
+            changed = changes_of_cases(study)[most.case]
+            case = titles[most.rock] + (f", {changed}" if changed else "")
             change = (
                 "mean net closures since seating without them change at most by "
                 f"{change_in_words(most)} (± standard error; {case}, cycle {most.cycle})"
@@ -192,9 +199,21 @@ def assessed(
         about["cost"] = cost.copy()
         about["cost"]["reference"] = reached.reference.iloc[0]
     about["errors"] = [
-        f"{with_unit(row, 'change_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
+        f"net {with_unit(row, 'change_percent', '%')}, gross "
+        f"{with_unit(row, 'gross_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
         for _, row in reached.iterrows()
     ]
+    about["errors_of"] = {
+        title: [
+            f"{with_unit(row, name, '%')} on cycle {row.cycle:.0f}"
+            for _, row in reached.iterrows()
+            if name in row and not is_too_wide(row, name)
+        ]
+        for name, title in ERRORS.items()
+    }
+    about["unknown_errors"] = any(
+        is_too_wide(row, name) for _, row in reached.iterrows() for name in ERRORS
+    )
     about["errors_of_share"] = [
         with_unit(row, "remains_points", "percentage points")
         for _, row in reached[reached.cycle == 1].dropna(subset="remains_points").iterrows()
@@ -236,18 +255,21 @@ def numerical_bias(about: Mapping[str, Any]) -> str:
     if not about["errors"]:
         return f"{unknown}no finer numerics than the study's ({about['cost'].stated}) are compared."
     joints = f"{about['samples']} joints of {', '.join(about['rocks'])}"
-    known = [error for error in about["errors"] if TOO_FEW not in error]
+    known = {title: errors for title, errors in about["errors_of"].items() if errors}
     if not known:
         return f"{unknown}{joints} are too few. {DECIDES}"
-    closures = " and ".join(error.partition(":")[0] for error in known)
-    others = "" if known == about["errors"] else f" On other cycles: {TOO_FEW}. {DECIDES}"
+    changes = "; ".join(f"{title} {' and '.join(errors)}" for title, errors in known.items())
+    others = (
+        f" Of other results and cycles: {TOO_FEW}. {DECIDES}" if about["unknown_errors"] else ""
+    )
     share = "".join(
         f"; the share that remains is off by {error}" for error in about["errors_of_share"]
     )
     return (
-        f"In addition the numerics of this study ({about['cost'].stated}) change the net closure "
-        f"by {closures} against {about['cost'].reference} on the same walls{share} (95 % "
-        f"intervals, {joints}).{others} The numbers above are not corrected for it."
+        f"Besides the scatter of joints, the numerics of this study ({about['cost'].stated}) have "
+        f"errors against {about['cost'].reference} on the same walls: {changes}{share} (95 % "
+        f"intervals, {joints}).{others} No number on this page is corrected for them, and no ± "
+        "contains them."
     )
 
 
@@ -314,25 +336,31 @@ def ranges_over_rocks(numbers: pd.DataFrame, configuration: Configuration) -> di
     }
 
 
-def headline(elasticities: pd.DataFrame | None) -> dict[str, Any]:
-    """Return the property with the largest effect on the last cycle's closure, and a verdict on it.
+def headlines(elasticities: pd.DataFrame | None) -> list[dict[str, Any]]:
+    """Return the property with the largest effect on the closure of the first and the last cycle.
 
-    It is the property with the largest elasticity in most rocks. Empty if elasticities of two
-    properties are not known in every rock.
+    It is the property with the largest elasticity in most rocks, with a verdict on this. A cycle in
+    which elasticities of two properties are not known in every rock is left out.
     """
     if elasticities is None or not len(elasticities):
-        return {}
-    last = elasticities[elasticities.cycle == elasticities.cycle.max()]
-    last = last.dropna(subset="elasticity")
-    sizes = last.assign(size=last.elasticity.abs()).groupby("rock", sort=False)
+        return []
+    known = elasticities.dropna(subset="elasticity")
+    ends = sorted({known.cycle.min(), known.cycle.max()}) if len(known) else []
+    found = (_headline(known[known.cycle == cycle]) for cycle in ends)
+    return [about for about in found if about]
+
+
+def _headline(of_cycle: pd.DataFrame) -> dict[str, Any]:
+    """Return the most sensitive property of one cycle, of `headlines`; empty if it is not known."""
+    sizes = of_cycle.assign(size=of_cycle.elasticity.abs()).groupby("rock", sort=False)
     if not len(sizes) or sizes.size().min() < 2:
         return {}
-    first = str(last.loc[sizes["size"].idxmax()].parameter.value_counts().index[0])
+    first = str(of_cycle.loc[sizes["size"].idxmax()].parameter.value_counts().index[0])
     title = PROPERTIES[first].title
     if not title.startswith(("Young", "Poisson", "JRC")):  # names keep their capitals
         title = title[0].lower() + title[1:]
-    about = {"property": title, "rocks": len(sizes), "cycle": last.cycle.iloc[0]}
-    return about | {"verdict": most_sensitive(last, first)}
+    about = {"property": title, "rocks": len(sizes), "cycle": of_cycle.cycle.iloc[0]}
+    return about | {"verdict": most_sensitive(of_cycle, first)}
 
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:

@@ -21,7 +21,7 @@ from jointclosure.statistics.number_texts import (
     rounded,
     with_equal_decimals,
 )
-from studies.frame.tables import in_words, succeeded
+from studies.frame.tables import changes_of_cases, in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
@@ -173,6 +173,16 @@ def with_errors_of_joint_tests(joint: pd.DataFrame) -> pd.DataFrame:
     return _with_errors(table, rounded, *likelihoods)
 
 
+def base_closures(table: pd.DataFrame) -> pd.DataFrame:
+    """Select the closures of base cases; adjusted means only where their errors are smaller."""
+    base = table[table.parameter == "base"].copy()
+    mean, adjusted = "max_closure_mean_mm", "max_closure_adjusted_mean_mm"
+    if adjusted in base:
+        worse = base[f"{adjusted}_standard_error"] >= base[f"{mean}_standard_error"]
+        base.loc[worse, [adjusted, f"{adjusted}_standard_error"]] = np.nan
+    return base
+
+
 def checked(checks: pd.DataFrame) -> pd.DataFrame:
     """Add verdicts to the table of checks."""
     verdict = np.where(checks.passed, "passed", "FAILED")
@@ -228,8 +238,7 @@ def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "Rock": table.rock.map(about.titles),
-            "Changed": [_PROPERTY.get(p, "as it is") for p in table.parameter],
-            "Level": table.level.str.replace("_", " "),
+            "Changed": table.changed.replace("", np.nan).fillna("as it is"),
             "Joint": table.joint,
             "Verdict": [
                 words if isinstance(words, str) and words else "no remark"
@@ -246,8 +255,7 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
     frame = pd.DataFrame(
         {
             "Rock": [about.titles[rock] for rock in study.rock.values],
-            "Changed": [_PROPERTY.get(p, "as it is") for p in study.parameter.values],
-            "Level": study.level.values,
+            "Changed": [text or "as it is" for text in changes_of_cases(study).values()],
             "Simulations": study.sizes["realization"],
             "Used (n)": good.sum("realization").values,
             "Failed": (~good).sum("realization").values,
@@ -264,12 +272,12 @@ def statuses(study: xr.Dataset, about: About) -> pd.DataFrame:
 def remarks(study: xr.Dataset, about: About) -> pd.DataFrame:
     """Tabulate joints with a remark by case, and the change of means without them."""
     rows = []
+    changes = changes_of_cases(study)
     for (remark, _), part in remarked_joints(study).groupby(["remark", "case"], sort=False):
         first = part.iloc[0]
         row: dict[str, object] = {
             "Rock": about.titles[first.rock],
-            "Changed": _PROPERTY.get(first.parameter, "as it is"),
-            "Level": first.level,
+            "Changed": changes[first.case] or "as it is",
             "Remark": in_words(str(remark)),
             "Joints": first.joints,
             "Of used (n)": first.samples,
@@ -295,7 +303,7 @@ def failures(study: xr.Dataset) -> pd.DataFrame:
 
 
 _PREPARED: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
-    "max_closure": lambda table: table[table.parameter == "base"],
+    "max_closure": base_closures,
     "checks": checked,
     "claims": judged,
     "conclusions": concluded,
