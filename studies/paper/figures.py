@@ -226,7 +226,7 @@ def closure_figure(
             axes.set_title(title if part == 0 else _cycles_in_words(shown))
             if part:
                 axes.set(xlabel="the same (mm)", ylabel="")
-                axes.xaxis.set_major_locator(MaxNLocator(4))  # the labels of small closures are long
+                axes.xaxis.set_major_locator(MaxNLocator(4))  # small closures have long labels
             axes.tick_params(labelleft=part == 0)
     handles: list[Artist] = [key(f"cycle {c}", color=f"C{c - 1}", lw=2) for c in cycles]
     handles += [

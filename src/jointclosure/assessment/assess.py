@@ -503,14 +503,14 @@ def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Cond
     return stated, ladder, variants
 
 
-def _with_stated(settings: Mapping[str, Conditions], given: Conditions) -> dict[str, Conditions]:
+def _with_stated(settings: dict[str, Conditions], given: Conditions) -> dict[str, Conditions]:
     """Return settings of the numerics, ordered by their accuracy, among which is the stated one.
 
     Resolved breakage as stated takes the place of the setting with its tolerance, from which it may
     differ in its first steps.
     """
     if given in settings.values():
-        return dict(settings)
+        return settings
     if given.numerics.breakage != "resolved":
         return {"as stated": given} | settings
     named = settings | {f"tolerance {given.numerics.tolerance:g}": given}

@@ -310,8 +310,12 @@ def conditions_from(
     simulates joints with fewer effects.
     """
     needed = () if conditions else (*required, "rock", "max_normal_stress")
-    kinds = {"rock": Rock, "effects": Effects, "choices": Choices, "numerics": Numerics}
-    inside = {keyword: kind._fields for keyword, kind in kinds.items()}
+    inside = {
+        "rock": Rock._fields,
+        "effects": Effects._fields,
+        "choices": Choices._fields,
+        "numerics": Numerics._fields,
+    }
     check_keywords(function, changes, Conditions._fields, needed, inside)
     if conditions is None:
         stated = Conditions(**{"spacing": None, **changes})

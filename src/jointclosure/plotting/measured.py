@@ -1,6 +1,7 @@
 """Figures of a measured curve beside simulated joints: its fit, and the region of constants."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,15 +24,20 @@ def fit_figure(result: Fit, title: str) -> Figure:
     """Draw the measured curve on the band of the fitted joints, and what the fit tried.
 
     The band is that of the nearest joints if none reaches the curve. Beside it are the simulated
-    over the measured readings, and the log likelihood, over the fitted parameter: the mismatch
-    wavelength, or the compressive strength for scanned walls.
+    over the measured readings, and the log likelihood if the model explains the curve, over the
+    fitted parameter: the mismatch wavelength, or the compressive strength for scanned walls.
     """
     if not result.interval_holds:
         title += ": the model does not explain this curve, and no interval is valid"
-    figure, panels = subplots("ca;cb", figsize=(12.5, 6.4), title=title, height_ratios=(2, 1))
-    curve, above, below = (panels[name] for name in "cab")
-    above.sharex(below)
-    above.tick_params(labelbottom=False)
+    size: dict[str, Any] = {"figsize": (12.5, 6.4), "title": title}
+    if result.interval_holds:
+        figure, panels = subplots("ca;cb", **size, height_ratios=(2, 1))
+        panels["a"].sharex(panels["b"])
+        panels["a"].tick_params(labelbottom=False)
+    else:
+        figure, panels = subplots("ca", **size)
+    curve, above = panels["c"], panels["a"]
+    lowest = panels.get("b", above)
     closures = result.simulated.closures[_drawn_joints(result)]
     kind = ("nearest", "fitted")
     draw_measured(curve, result, closures, result.simulated.stresses, kind[result.reached])
@@ -40,7 +46,8 @@ def fit_figure(result: Fit, title: str) -> Figure:
     logs = np.moveaxis(result.simulated.logs, axis, 0)
     nodes = np.geomspace(tried[0], tried[-1], len(logs))
     _draw_readings(above, result, nodes, logs)
-    if result.interval_holds:
+    if "b" in panels:
+        below = panels["b"]
         profile = result.likelihood.log.max(axis=1 - axis)
         below.plot(tried, profile - profile.max(), color="C0")
         interval = result.compressive_strength if result.scanned else result.mismatch_wavelength
@@ -48,15 +55,10 @@ def fit_figure(result: Fit, title: str) -> Figure:
             low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
             below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
             below.legend(frameon=False)
-    else:
-        below.set(yticks=[])
-        below.text(
-            0.5, 0.5, "not drawn: the model does not explain the curve",
-            transform=below.transAxes, ha="center", va="center", color="0.4",
-        )  # fmt: skip
-    below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
-    below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
-    decimal_ticks(below.xaxis, above.yaxis)
+        below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
+    fitted = "compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)"
+    lowest.set_xlabel(fitted)
+    decimal_ticks(lowest.xaxis, above.yaxis)
     return figure
 
 
@@ -107,7 +109,7 @@ def draw_measured(
         axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
     axes.set(xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)")
     axes.set(xlim=(min(0.0, axes.get_xlim()[0]), None))
-    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.09))
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper left", bbox_to_anchor=(-0.1, -0.09))
 
 
 def _drawn_joints(result: Fit) -> np.ndarray:
