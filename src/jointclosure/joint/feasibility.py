@@ -42,7 +42,7 @@ def joint_strength(joint: Joint) -> Strength:
     # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
     beyond = (1.0 + 0.5 * BAND * joint.numerics.tolerance) ** 1.5
     forces = beyond * law.breaking_force[joint.peaks] / flattest**2
-    together = float(forces.sum()) / (joint.upper.size * law.spacing**2)
+    together = float(forces.sum()) / joint.area
     return Strength(float(forces.max()), together if joint.effects.gouge else math.inf)
 
 
@@ -113,7 +113,7 @@ def displacement_steps(
     reach = float(np.ptp(joint.upper + joint.lower))
     cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
     contacts = joint.contacts(cells, overlap, compliance)
-    target = max_normal_stress * joint.upper.size * joint.law.spacing**2
+    target = max_normal_stress * joint.area
     closure = float(separate_shift(contacts, target)) + reach
     numerics = joint.numerics
     first = numerics.displacement_step

@@ -257,7 +257,7 @@ class Simulation:
         self._has_run = True
         joint = self.joint
         conditions = self.conditions
-        area = joint.upper.size * joint.law.spacing**2
+        area = joint.area
         observers = list[Any]()
         if conditions.flow:
             from jointclosure.joint.flow import FlowAlongHistory  # loads scipy's sparse matrices
@@ -369,7 +369,7 @@ def equilibrium(
     lower = lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, pair, effects, choices, numerics)
     largest_stress = USUAL["max_normal_stress"][1]
-    most = protocol.closure_limit(joint, largest_stress * upper.size * spacing**2)
+    most = protocol.closure_limit(joint, largest_stress * joint.area)
     if not unusual_values and closure > most:
         raise InputError(
             f"closure = {closure!r} m: not usual of this joint; usual stresses close it by at "
@@ -378,7 +378,7 @@ def equilibrium(
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     overlap, displacement = fields_of(joint, closure)
     status = np.int16(protocol.FLAG_OF_OUTCOME.get(run.outcome, 0))
-    stress = run.total_force / (upper.size * spacing**2)
+    stress = run.total_force / joint.area
     if not unusual_values and stress > largest_stress:
         raise InputError(
             f"closure = {closure!r} m: takes a stress of {stress:.3g} Pa, must be at most the "

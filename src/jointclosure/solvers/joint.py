@@ -170,6 +170,11 @@ class Joint:
     def _influence(self) -> Influence:
         return influence_of(self.influence_table)
 
+    @property
+    def area(self) -> float:
+        """Area of the joint [m^2]."""
+        return self.upper.size * self.law.spacing**2
+
     def weaken_crushed(self) -> bool:
         """Mark pairs with a cell below its pristine height as crushed; return whether any is new.
 
