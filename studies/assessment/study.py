@@ -94,7 +94,8 @@ def condition(titles: Mapping[str, str], rock: str, jrc: float, stress_MPa: floa
 def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure:
     """Draw the error of each setting of the numerics over its time, for each condition.
 
-    Errors are signed, against the finest setting, with their 95 % intervals.
+    Errors are signed, against the finest setting, which is not drawn, with their 95 % intervals.
+    Colours are cycles, shapes are settings, and hollow marks are gross closures.
     """
     assessment = tables["assessment"]
     percent = 100.0 * settings["within"]

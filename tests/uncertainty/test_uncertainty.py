@@ -18,7 +18,7 @@ from jointclosure.joint.tables import ENDS, cycle_table, stress_table
 from jointclosure.plotting.joint import engineering_figure, range_figure
 from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty import ranges as ranges_module
-from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.numerical_error import (
     log_scatter,
     numerical_error,
@@ -46,7 +46,6 @@ from jointclosure.uncertainty.sources import ALL, ORDER, PLAUSIBLE, SHARED, Sour
 from jointclosure.uncertainty.uncertain_joint import (
     threads_for,
     uncertain_joint,
-    uncertainty_budget,
 )
 from jointclosure.uncertainty.variants import DRAWS, random_shares, variants_of
 from jointclosure.walls.scan_errors import ScanErrors

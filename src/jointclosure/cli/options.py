@@ -160,9 +160,10 @@ def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) ->
 
 
 def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
-    """Return the path of a file with one of some suffixes, or without suffixes of a folder.
+    """Return the path of a file that ends in one of some suffixes, or of a folder without any.
 
-    Raise `InputError` if it could not be written.
+    Raise `InputError` for another suffix, a file in the place of a folder, a missing parent, or a
+    record of a folder that cannot be read. Permissions are not checked.
     """
     path = Path(text)
     if suffixes and path.suffix.lower() not in suffixes:

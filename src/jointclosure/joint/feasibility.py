@@ -125,11 +125,11 @@ def displacement_steps(
 
 
 def crushed_closure(joint: Joint, strongest: float, target: float) -> float:
-    """Return a closure [m] below which too few cells are in contact for a force [N].
+    """Return a closure [m] below which too few cells touch to carry the force ``target`` [N].
 
-    It takes at least n cells, each with the force [N] of the ``strongest`` one, to carry the force.
-    If the n highest are crushed to one level, gouge does not raise this level above their mean
-    height. The closure is 0 if the strength of a cell is not bounded.
+    At least n = target / strongest cells are needed, where ``strongest`` is the force [N] of the
+    strongest cell. Heights are sums of both walls: gouge cannot raise n cells above the mean of the
+    n highest. The closure is 0 if the strength of a cell is not bounded.
     """
     if not math.isfinite(strongest):
         return 0.0

@@ -443,8 +443,9 @@ def let_due_wait(due, moment, turns):
 def foresee(batch, n, looked_at, growth, due, moment, allowed):
     """Set the moments at which pairs (n,) that hold now will exceed the overlap ratio ``allowed``.
 
-    The walls are assumed to stay as they are. The overlap grows evenly over the step, and the
-    overlap ratio with it.
+    The walls are assumed to stay as they are. The overlap grows evenly, by ``growth`` (cells) [m]
+    over the whole step, and the overlap ratio with it. A pair that does not exceed it before the
+    end of the step is due at no moment. Pairs that break now are left alone.
     """
     last = due.counts.size  # the moment at the end of the step
     for i in range(n):

@@ -82,7 +82,9 @@ class FastSolver:
         """Return the total force [N] at a closure [m] before anything breaks, and the effort.
 
         The equilibrium is solved to this ``residual``, but to no smaller one than the required
-        one. The force is infinite if none was found. Of the joint only the rates change.
+        one. The force is infinite if none was found. With resolved breakage no contact exceeds its
+        strength. Walls, forces and interaction of the joint stay as they are; its rates and the
+        memory of the solver change.
         """
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()

@@ -75,6 +75,7 @@ class FittedFunction(NamedTuple):
         return self._variance(bool)
 
     def _variance(self, counts) -> float:
+        """Return the variance due to the terms whose inputs the function ``counts`` accepts."""
         squares = zip(self.terms, self.coefficients**2, strict=True)
         return float(sum(square for term, square in squares if counts(term.inputs)))
 

@@ -34,14 +34,10 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.parameters import RESOLVED, check_choices
 from jointclosure.statistics.number_texts import percent
-from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
-from jointclosure.uncertainty.uncertain_joint import (
-    UncertainJoint,
-    uncertain_joint,
-    uncertainty_budget,
-)
+from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.wall_files import Wall, registered_walls

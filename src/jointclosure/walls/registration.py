@@ -417,7 +417,11 @@ def _overlap_after(
     motion: Motion, prepared: _PreparedScans, lower: Scan | Cloud, spacing: float,
     largest_filled_share: float, flat: str | None, report: list[str],
 ) -> Overlap:  # fmt: skip
-    """Return the overlap of both walls after the upper one was moved; report what it lost."""
+    """Return the overlap of the moved upper wall, at its scanned points, with the lower one.
+
+    Sentences on each wall that is not flat are added to ``report``: slopes that interpolation
+    changed, and doubts about resolution, rounding and noise.
+    """
     upper = prepared.both[0]
     clouds = [_moved_points(points_of(upper, missing=True), motion), points_of(lower, missing=True)]
     upper_at = None

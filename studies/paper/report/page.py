@@ -83,7 +83,10 @@ def render(content: dict) -> str:
 
 
 def template_digest() -> str:
-    """Return the digest of the templates, which a page depends on besides the package's Python."""
+    """Return a digest (16 hexadecimal digits) of all templates of the library and of this report.
+
+    A page depends on them besides Python code.
+    """
     digest = hashlib.sha256()
     for package in (report.LIBRARY, "studies.paper.report"):
         templates = resources.files(package).joinpath("templates")
