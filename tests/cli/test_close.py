@@ -242,6 +242,18 @@ def test_chord_and_tangent_stiffness_have_names_of_their_own(ranged):
     assert CURVES["normal_stiffness_net_MPa_per_mm"][0] == "net tangent stiffness kn (MPa/mm)"
 
 
+def test_the_time_of_a_range_is_stated_when_the_joint_is_simulated(
+    scans, tmp_path, command, undrawn, monkeypatch
+):
+    monkeypatch.setattr(scanned_joint, "ANNOUNCED", 0.0)
+    stopped = Mock(side_effect=KeyboardInterrupt)
+    monkeypatch.setattr(scanned_joint, "uncertainty_budget", stopped)
+    words = [*scans, *WORDS, *COARSE, "--cycles", 1, "--output", tmp_path / "j"]
+    _, out, _ = command("close", *words)
+    count = len(stopped.call_args.args[0].variants)
+    assert f"- the range takes {count} further simulations, together about " in out
+
+
 def test_the_time_on_the_screen_says_from_when_it_counts(ranged):
     assert re.search(r"success.*; .+ since the program started", ranged[1])
 

@@ -9,6 +9,7 @@ from jointclosure.statistics.two_level import (
     FEWEST,
     Interval,
     best_plan,
+    change_interval,
     combined,
     t_interval,
     two_level_mean,
@@ -145,3 +146,11 @@ def test_a_plan_keeps_its_budget(deviations):
             continue
         assert bought.seconds <= budget
         assert bought.differences >= FEWEST
+
+
+def test_a_positive_result_decreases_by_no_less_than_all_of_it():
+    samples = np.array([-0.5, 0.7])
+    assert t_interval(samples).low < -1.0
+    interval = change_interval(samples)
+    assert (interval.low, interval.high) == (-1.0, t_interval(samples).high)
+    assert change_interval(samples[:1]).low == -np.inf  # of one joint nothing is known

@@ -550,6 +550,22 @@ def test_an_initial_stiffness_that_joints_do_not_determine_is_stated():
     assert budget_of({KNI: np.full(5, np.nan)}).text(1, KNI) == "undetermined"
 
 
+def test_the_stiffness_of_unloading_has_the_error_of_the_loading_that_follows_it():
+    sources = {"a": Source((0.0, 1.0), "range")}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    stiffness = "normal_stiffness_net_MPa_per_mm"
+    curves = pd.concat([
+        pd.DataFrame({"cycle": [1, 1, 1, 1, 2, 2], "branch": 2 * ["loading"] + 2 * ["unloading"]
+                      + 2 * ["loading"], "normal_stress_MPa": 3 * [1.0, 2.0],
+                      stiffness: 3 * [100.0, 200.0], "source": name})
+        for name in ["", "a", "a", *[ALL] * DRAWS]
+    ])  # fmt: skip
+    limits = {(1, STIFFNESS): 0.5, (2, STIFFNESS): 0.1}
+    bands = bands_of(curves, sources, shares, further, limits)
+    widths = bands[f"{stiffness}_high"] / bands[stiffness]
+    np.testing.assert_allclose(widths, [1.5, 1.5, 1.1, 1.1, 1.1, 1.1])
+
+
 @pytest.mark.parametrize("status", ["not_solved", "at_least", "blocked"])
 def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
     """A blocked flow is known to be 0; the bounds are always known."""
