@@ -323,6 +323,10 @@ def test_a_setting_is_within_the_request_only_by_net_and_gross_closure(table):
         for name, value in (("change", net), ("gross", gross)):
             row |= {f"{name}_percent{end}": value for end in ("", "_low", "_high")}
         assert judged_setting(row, WITHIN) == verdict
+    unknown = row | {"gross_percent_low": -9.0, "gross_percent_high": 9.0}
+    assert judged_setting(unknown, WITHIN) == "beyond"  # by the net closure
+    small = {f"change_percent{end}": 1.0 for end in ("", "_low", "_high")}
+    assert judged_setting(unknown | small, WITHIN) == "not determined"
 
 
 def test_the_stiffness_is_compared_by_its_harmonic_mean(table):
