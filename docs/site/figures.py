@@ -258,13 +258,17 @@ def hard_joint() -> Figure:
             joint = jc.simulate(copy(upper), copy(lower), max_normal_stress=stress, **load)
             history = history_of(joint)
             steps = history.branch(1, "loading").steps
-            shown = steps[history.stress[steps] >= 0.1 * stress]
-            net = 1e3 * history.net.values[shown]
-            axes.plot(net, 1e-6 * history.stress[shown], style, label=name)
-            largest.append(float(history.net.cycle_closures()["max_closure_seated"][0]))
+            closure = float(history.net.cycle_closures()["max_closure_seated"][0])
+            since_seating = history.net.values[steps] - history.net.values[steps[-1]] + closure
+            shown = history.stress[steps] >= history.seating_stress
+            axes.plot(
+                1e3 * since_seating[shown], 1e-6 * history.stress[steps[shown]], style, label=name
+            )
+            largest.append(closure)
         scatter = 100.0 * np.std(largest, ddof=1) / np.mean(largest)
         axes.set_title(f"to {1e-6 * stress:g} MPa: net closures scatter by {scatter:.2g} %")
-        axes.set(xlabel="net closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0)
+        seating = f"net closure since seating at {1e-6 * history.seating_stress:g} MPa (mm)"
+        axes.set(xlabel=seating, ylabel="normal stress (MPa)", ylim=0)
         axes.locator_params(axis="x", nbins=5)
         axes.spines[["top", "right"]].set_visible(False)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
