@@ -246,9 +246,9 @@ def test_the_aperture_is_zero_at_first_touch_where_no_spike_is(joint, walls):
     whole, kept = (registered(scanned(upper), grid(spiked), spikes=k) for k in ("cut", "keep"))
     for pair in (whole, kept):
         summed = pair.upper + pair.lower
-        assert pair.aperture.min() == 0.0 == pair.aperture[pair.first_touch]
+        assert pair.aperture.min() == 0.0 == pair.aperture[pair.first_touch_cell]
         np.testing.assert_allclose(pair.aperture + summed, summed.max(), atol=1e-15)
-    assert kept.first_touch == (40, 50) != whole.first_touch
+    assert kept.first_touch_cell == (40, 50) != whole.first_touch_cell
     assert kept.aperture.mean() > 2e-3
     assert any("lower wall: 1 of 4608 points are spikes" in line for line in whole.report)
     # the height in its place is that between its neighbours

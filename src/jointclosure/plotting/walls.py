@@ -59,7 +59,7 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     limits = {"vmin": 0.0, "vmax": 1e3 * np.nanpercentile(aperture, 99.0)}
     image = draw_field(panels[2], 1e3 * aperture, pair.spacing, cmap="viridis", **limits)
     _add_bar(panels[2], image, "aperture (mm)", "max")
-    y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch)
+    y, x = (1e3 * (cell + 0.5) * pair.spacing for cell in pair.first_touch_cell)
     panels[2].plot(x, y, "o", ms=11, **FIRST_TOUCH)
     panels[2].set_title("aperture at first touch (in the circle)")
     draw_section(panels[3], pair.upper, pair.lower, pair.spacing, pair.holes)

@@ -98,7 +98,7 @@ class RegisteredPair(NamedTuple):
     lower: np.ndarray
     spacing: float  # [m]
     aperture: np.ndarray  # distance (y, x) [m] at first touch
-    first_touch: tuple[int, int]
+    first_touch_cell: tuple[int, int]
     orientation: str
     fits: list[SlopeFit]  # the best of each orientation, the best first
     motion: Motion  # applied to the upper wall
