@@ -159,7 +159,8 @@ def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, 
             for name in (f"{name}_percent" for name in SHOWN_COLUMNS.values()):
                 value = part[name].mean()
                 half = np.linalg.norm(part[f"{name}_high"] - part[name]) / rocks
-                row |= {name: value, f"{name}_low": value - half, f"{name}_high": value + half}
+                low = max(value - half, -100.0)  # as `change_interval`
+                row |= {name: value, f"{name}_low": low, f"{name}_high": value + half}
             cycles.append(row)
         rows += _judged(cycles, within) if cycles else []
     return rows

@@ -126,3 +126,12 @@ def test_the_headline_is_of_the_larger_assessment(replaced):
     assert "against tolerance 0.004 on the same walls" in words
     assert "16 joints of Slate, Dolerite" in words
     assert "share that remains" not in words
+
+
+def test_all_rocks_together_decrease_by_no_more_than_all(small, conditions):
+    larger = larger_table(conditions)
+    wide = larger.assign(low_percent=-300.0, high_percent=300.0)
+    table, _ = with_larger(small, wide, conditions, PLAN.stated, 0.05)
+    pooled = table[(table.rock == ALL_ROCKS) & table.change_percent.notna()]
+    assert len(pooled)
+    assert (pooled.change_percent_low == -100.0).all()

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.storage.files import read_csv
@@ -12,7 +13,7 @@ from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper.closure_tables import max_closure_table
 from studies.paper.report import content as report
 from studies.paper.report.page import sheet
-from studies.paper.report.tables import base_closures
+from studies.paper.report.tables import About, base_closures, hardest
 from studies.paper.tables_1_to_3 import (
     closure_lines,
 )
@@ -137,3 +138,22 @@ def test_adjusted_means_are_shown_only_where_their_errors_are_smaller():
     shown = base_closures(table)
     assert shown[adjusted].notna().tolist() == [True, False]
     assert shown[mean].notna().all()
+
+
+def test_hard_joints_are_named_by_the_study_although_an_older_table_has_no_names():
+    study = xr.Dataset(
+        coords={
+            "case": ["slate-base", "slate-jrc-low"],
+            "rock": ("case", ["slate", "slate"]),
+            "parameter": ("case", ["base", "jrc"]),
+            "level": ("case", ["base", "low"]),
+            "value": ("case", [np.nan, 6.0]),
+        }
+    )
+    table = pd.DataFrame({
+        "rock": "slate", "parameter": ["jrc", "base"], "level": ["low", "base"],
+        "joint": [3, 4], "verdict": ["", np.nan], "reason": "",
+    })  # fmt: skip
+    shown = hardest(table, study, About({"slate": "Slate"}, set()))
+    assert shown.Changed.tolist() == ["JRC 6", "as it is"]
+    assert set(shown.Verdict) == {"no remark"}

@@ -254,6 +254,25 @@ def test_the_time_of_a_range_is_stated_when_the_joint_is_simulated(
     assert f"- the range takes {count} further simulations, together about " in out
 
 
+def test_kernels_are_compiled_before_the_joint_whose_time_gives_that_of_the_range(
+    scans, tmp_path, command, undrawn, monkeypatch
+):
+    order = Mock()
+    monkeypatch.setattr(scanned_joint, "prepare_kernels", order.kernels)
+    monkeypatch.setattr(scanned_joint, "seconds_of_range", order.seconds)
+    order.seconds.return_value = 0.0
+    monkeypatch.setattr(scanned_joint, "uncertainty_budget", Mock(side_effect=KeyboardInterrupt))
+    run = scanned_joint.Simulation.run
+
+    def watched(*given):
+        order.run()
+        return run(*given)
+
+    monkeypatch.setattr(scanned_joint.Simulation, "run", watched)
+    command("close", *scans, *WORDS, *COARSE, "--cycles", 1, "--output", tmp_path / "j")
+    assert [call[0] for call in order.method_calls] == ["kernels", "run", "seconds"]
+
+
 def test_the_time_on_the_screen_says_from_when_it_counts(ranged):
     assert re.search(r"success.*; .+ since the program started", ranged[1])
 

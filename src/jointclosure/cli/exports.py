@@ -456,8 +456,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
         reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
         reason += f"is not at {first:.3g} MPa"
         if history_of(joint).has_flow:
-            of_range = ending and RANGE_FLOW_STATUS in curves
-            name_of_status = RANGE_FLOW_STATUS if of_range else "flow_status"
+            name_of_status = RANGE_FLOW_STATUS if ending else "flow_status"
             status = curves[name_of_status][rows.index[int(np.argmax(missing))]]
             reason += f" ({name_of_status}: {status})"
         reasons[name] = reason

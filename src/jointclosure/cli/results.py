@@ -313,9 +313,8 @@ def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
     }
     if RANGE_FLOW_STATUS in reached:
         unknown = reached[RANGE_FLOW_STATUS].isin(ONLY_BOUNDS) & aperture.notna()
-        cases["the hydraulic aperture has no range, as one of its simulations has only bounds,"] = (
-            unknown
-        )
+        no_range = "the hydraulic aperture has no range, as one of its simulations has only bounds,"
+        cases[no_range] = unknown
     remarks = []
     for what, here in cases.items():
         parts = []

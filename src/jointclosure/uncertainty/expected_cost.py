@@ -65,7 +65,7 @@ def expected_cost(joint: UncertainJoint, workers: int | None = None) -> Cost | N
     if joint.upper.size <= SMALL:
         return None
     least, most = (
-        seconds * (1.0 + sum(v.step ** (-2.0 * power) for v in joint.variants))
+        seconds * (1.0 + _variants_over_joint(joint, power))
         for seconds, power in zip(
             seconds_of_joint(joint.upper, joint.lower, joint.conditions), EXPONENTS, strict=True
         )
@@ -76,7 +76,12 @@ def expected_cost(joint: UncertainJoint, workers: int | None = None) -> Cost | N
 
 def seconds_of_range(joint: UncertainJoint, seconds: float) -> float:
     """Estimate the processor time [s] of the variants of a joint that itself took ``seconds``."""
-    return sum(seconds * v.step ** (-2.0 * min(EXPONENTS)) for v in joint.variants)
+    return seconds * _variants_over_joint(joint, min(EXPONENTS))
+
+
+def _variants_over_joint(joint: UncertainJoint, power: float) -> float:
+    """Return the time of the variants of a joint over its own, by a power of their cells."""
+    return sum(v.step ** (-2.0 * power) for v in joint.variants)
 
 
 def seconds_of_joint(

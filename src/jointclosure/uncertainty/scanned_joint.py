@@ -32,6 +32,7 @@ from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
+from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, check_choices
 from jointclosure.statistics.number_texts import percent
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
@@ -245,6 +246,8 @@ def close(
         sentence = cost.sentence(pair.upper.shape, pair.spacing)
         remark([sentence], [sentence])
 
+    if not single:  # no part of the time of the joint, from which that of its range follows
+        prepare_kernels([conditions.model])
     start = time.process_time()
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
         history = simulation.run(watch)

@@ -233,12 +233,18 @@ def with_limits(row: pd.Series, name: str) -> str:
     return f"{shown[0]} ({shown[1]} to {shown[2]})"
 
 
-def hardest(table: pd.DataFrame, about: About) -> pd.DataFrame:
-    """Tabulate the hardest joints, the worst first, at most `MOST_HARD`."""
+def hardest(table: pd.DataFrame, study: xr.Dataset, about: About) -> pd.DataFrame:
+    """Tabulate the hardest joints of a study, the worst first, at most `MOST_HARD`."""
+    names = ("rock", "parameter", "level")
+    cases = zip(*(study[name].values.tolist() for name in names), strict=True)
+    changes = dict(zip(cases, changes_of_cases(study).values(), strict=True))
     return pd.DataFrame(
         {
             "Rock": table.rock.map(about.titles),
-            "Changed": table.changed.replace("", np.nan).fillna("as it is"),
+            "Changed": [
+                changes[case] or "as it is"
+                for case in table[list(names)].itertuples(index=False, name=None)
+            ],
             "Joint": table.joint,
             "Verdict": [
                 words if isinstance(words, str) and words else "no remark"
@@ -339,7 +345,7 @@ def frames_of(
     if "study_assessment" in known:
         frames |= assessed(known["study_assessment"], about)
     if "study_hardness" in known:
-        frames["study_hardness"] = hardest(known["study_hardness"], about)
+        frames["study_hardness"] = hardest(known["study_hardness"], study, about)
     return frames | {
         name: about.titled(prepared(known[name]))
         for name, prepared in _PREPARED.items()
