@@ -165,7 +165,7 @@ def panels(
         elif styles:
             axes[-1].margins(x=0.08)  # for bars beside each other
         axes[-1].set_xlabel(HEADINGS.get(column.along, column.along) + _scale_words(column, places))
-        words = [_name(column.along, value, names) for value in places]
+        words = [_name(column.along, value, names).replace(" ", "\n") for value in places]
         ticks_at(axes[-1].xaxis, places.values(), words)
         styled_keys = [key(color="0.3", marker="o", ms=3.5, **dash) for dash in dashes.values()]
         legends[column.lines] = [*(key(**look) for look in looks.values()), *styled_keys]

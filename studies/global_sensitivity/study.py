@@ -111,7 +111,7 @@ def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
                     zorder=3 if kind == "first" else 2,
                 )  # fmt: skip
         axes.axvline(0.0, color="0.6", lw=0.8, zorder=0)
-        axes.set_title(title, fontsize=11)
+        axes.set_title(fill(title, 34), fontsize=11)
         axes.set_yticks(places, [fill(label, 21) for label in labels])
         axes.grid(axis="y", lw=0.3)
     for axes in grid[-1]:

@@ -163,6 +163,8 @@ def draw_measured_joints(tables: Tables, settings: Mapping[str, Any]) -> Figure:
         axes.tick_params(axis="y", labelsize="small")
         axes.set_ylim(len(rows) - 0.5, -0.5)
     entries = _keys(list(dict.fromkeys(table.joint)))
+    if any(line.get_marker() == ">" for axes in panels.flat for line in axes.lines):
+        entries.append(point_key("interval is longer", ">", color="0.4", ms=6.0))
     agreeing = f"({scores.score[BASE]}): values that agree,\nof {scores.of.max()}"
     corner = panels.flat[-1]
     corner.axis("off")
@@ -223,7 +225,6 @@ def _keys(joints: list) -> list[Artist]:
     entries.append(key("simulated joint,\n95 % interval", color="0.4", lw=1.2))
     entries.append(point_key("filled: agrees", color="0.4", ms=5.0))
     entries.append(point_key("hollow: does not", color="0.4", mfc="white", ms=5.0))
-    entries.append(point_key("interval is longer", ">", color="0.4", ms=6.0))
     return entries
 
 
