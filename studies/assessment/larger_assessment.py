@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.assess import NEEDED_AS_FAILS
+from jointclosure.assessment.assess import GIVEN_UP, NEEDED_AS_FAILS
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.compilation.code_digests import code_digest
 from jointclosure.storage.files import digest
@@ -17,6 +17,7 @@ from studies.assessment.report_tables import (
     ENDS,
     LEFT_OUT,
     NEEDED,
+    NOT_TESTED,
     SETTING,
     SHOWN_COLUMNS,
     judged_effects,
@@ -117,10 +118,12 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
         cycles = []
         for cycle, part in of_variant.groupby("cycle"):
             first = part.iloc[0]
-            fails = str(first.verdict) == NEEDED_AS_FAILS
+            given_up = str(first.verdict) == GIVEN_UP
+            fails = given_up or str(first.verdict) == NEEDED_AS_FAILS
             row: dict[str, Any] = {"rock": rock, "kind": EFFECTS if effects else SETTING}
             row |= {"variant": variant, "reference": first.reference, "cycle": cycle}
             row |= {"of_study": variant == stated, "joints": first.joints, "failed": int(fails)}
+            row["given_up"] = int(given_up)
             for quantity, name in SHOWN_COLUMNS.items():
                 found = part[part.quantity == quantity].iloc[0]
                 row |= {
@@ -131,7 +134,10 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
             row |= {"seconds": seconds, "seconds_standard_error": math.nan}
             row |= {"time_percent": 100.0 * (seconds / times[stated] - 1.0)}
             row |= {"time_percent_standard_error": math.nan}
-            row |= {"state": NEEDED, "reason": "joints fail without it"} if fails else {}
+            if given_up:
+                row |= {"state": NOT_TESTED, "reason": "joints take too many breakage steps"}
+            elif fails:
+                row |= {"state": NEEDED, "reason": "joints fail without it"}
             cycles.append({"state": "", "reason": ""} | row)
         rows += _judged(cycles, within)
     return rows
@@ -154,7 +160,7 @@ def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, 
             if len(part) < rocks:
                 continue
             row = part.iloc[0].to_dict() | {"rock": ALL_ROCKS}
-            row |= {name: part[name].sum() for name in ("joints", "failed")}
+            row |= {name: part[name].sum() for name in ("joints", "failed", "given_up")}
             row |= {name: part[name].mean() for name in ("seconds", "time_percent")}
             for name in (f"{name}_percent" for name in SHOWN_COLUMNS.values()):
                 value = part[name].mean()

@@ -12,9 +12,12 @@ import xarray as xr
 from jointclosure.assessment.assess import (
     CLOSURE,
     DROPS,
+    GIVEN_UP,
     JUDGED,
+    MOST_BREAKAGE_STEPS,
     NEEDED_AS_FAILS,
     STIFFNESS,
+    is_given_up,
     results_beyond,
     verdict_on_effects,
 )
@@ -53,7 +56,8 @@ class _Closed(NamedTuple):
     """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (n,) [s] of others.
 
     ``closures`` are net closures since seating, ``residuals`` what remains of them at seating,
-    ``gross`` gross closures, and ``compliances`` [m/Pa] those of the net chord stiffness.
+    ``gross`` gross closures, and ``compliances`` [m/Pa] those of the net chord stiffness. Of the
+    joints that failed, ``given_up`` needed more than `MOST_BREAKAGE_STEPS`.
     """
 
     closures: np.ndarray
@@ -61,6 +65,7 @@ class _Closed(NamedTuple):
     gross: np.ndarray
     compliances: np.ndarray
     seconds: np.ndarray
+    given_up: int
 
 
 def assessed_table(
@@ -158,9 +163,9 @@ def _of(joints: xr.Dataset) -> _Closed:
         for name in (CLOSURE, RESIDUAL, GROSS, STIFFNESS)
     )
     seconds = joints.timing_simulation.transpose("joint").values
-    return _Closed(
-        closures, residuals, gross, 1.0 / stiffness, seconds[good.transpose("joint").values]
-    )
+    given_up = int(is_given_up(joints.status.to_series()).sum())
+    known = seconds[good.transpose("joint").values]
+    return _Closed(closures, residuals, gross, 1.0 / stiffness, known, given_up)
 
 
 def _rows(
@@ -183,6 +188,7 @@ def _rows(
     seconds = _together([_mean(own.seconds) for own, *_ in pairs])
     times = _together([_change(own.seconds, base.seconds) for own, _, base in pairs])
     joints = sum(len(own.closures) for own, *_ in pairs)
+    given_up = sum(own.given_up for own, *_ in pairs)
     rows = []
     for place in range(pairs[0][0].closures.shape[1]):
         apart = [_apart(own, best, place) for own, best, _ in pairs]
@@ -194,6 +200,7 @@ def _rows(
         row |= {"kind": SETTING if setting else EFFECTS, "variant": variant}
         row |= {"reference": reference, "of_study": variant == plan.stated}
         row |= {"cycle": place + 1, "joints": samples.size, "failed": joints - samples.size}
+        row["given_up"] = given_up
         row |= estimate_columns("change_percent", _mean(samples), 100.0)
         row |= _limit_columns("change_percent", interval)
         row["gross_percent"] = 100.0 * _mean(gross).value
@@ -227,6 +234,8 @@ def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
 
     ``rows`` are those of the cycles of the variant without them.
     """
+    if any(row["given_up"] for row in rows):
+        return GIVEN_UP, ""
     if any(row["failed"] for row in rows):
         return NEEDED_AS_FAILS, ""
     differences = pd.DataFrame(
@@ -362,12 +371,22 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
 
 
 def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Set the state of effects without which joints fail to `NEEDED`, and count these joints."""
+    """Set the state of effects without which joints fail or are given up, and count these joints.
+
+    It is `NEEDED` where they fail, and `NOT_TESTED` where one was given up.
+    """
     fails = (table.kind == EFFECTS) & (table.failed > 0)
     total = table.joints + table.failed
     for place in table.index[fails & (table.state == "")]:
+        state = NEEDED
         counts = f"{table.failed[place]:.0f} of {total[place]:.0f} joints fail without it"
-        table.loc[place, ["state", "reason"]] = NEEDED, counts
+        if table.given_up[place] > 0:
+            state = NOT_TESTED
+            counts = (
+                f"without it {table.given_up[place]:.0f} of {total[place]:.0f} joints take more "
+                f"than {MOST_BREAKAGE_STEPS:g} breakage steps a cell, and were given up"
+            )
+        table.loc[place, ["state", "reason"]] = state, counts
     return table
 
 

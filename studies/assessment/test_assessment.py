@@ -157,7 +157,7 @@ def test_a_scene_that_fails_has_a_word_in_its_row(tables):
     )
     rows = list(dict.fromkeys(table.variant[table.variant.str.startswith("without")]))
     for axes in figure.axes:
-        assert [text.get_text() for text in axes.texts] == ["fails"]
+        assert [text.get_text() for text in axes.texts] == ["no result"]
         assert axes.texts[0].get_position() == (0.0, rows.index("without gouge"))
         assert axes.get_title().startswith("A slate, JRC 6.5, ")
     assert "logarithmic" in figure.get_supxlabel()

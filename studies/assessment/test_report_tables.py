@@ -9,8 +9,9 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.assessment.assess import CLOSURE, NEEDED_AS_FAILS, STIFFNESS
+from jointclosure.assessment.assess import CLOSURE, GIVEN_UP, NEEDED_AS_FAILS, STIFFNESS
 from jointclosure.cli.report import Picture, render
+from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
 from studies.assessment.report_panels import WORST, accuracy_panel, effects_panel, hardness_panel
 from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
 from studies.assessment.report_tables import (
@@ -181,6 +182,16 @@ def test_an_effect_without_which_joints_fail_is_needed(failing_table):
     row = row_of(failing_table, "slate", "without interaction")
     assert (row.state, row.reason) == (NEEDED, "2 of 2 joints fail without it")
     assert row.verdict == NEEDED_AS_FAILS
+
+
+def test_an_effect_without_which_a_joint_is_given_up_is_not_tested(study, joints):
+    part = joints["slate"]
+    lacks = np.flatnonzero(part.variant == "without interaction")
+    part.status[lacks[0]] = BREAKAGE_NOT_AT_REST
+    table = assessed_table(study, {"slate": part}, PLAN, {"slate": jc.Effects()}, 0.05)
+    row = row_of(table, "slate", "without interaction")
+    assert (row.state, row.verdict) == (NOT_TESTED, GIVEN_UP)
+    assert row.reason.startswith("without it 1 of 2 joints take more than 20000 breakage steps")
 
 
 def test_joints_that_fail_have_no_time(failing_table):

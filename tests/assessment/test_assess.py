@@ -9,12 +9,15 @@ from jointclosure.assessment import assess as module
 from jointclosure.assessment.assess import (
     ASSESSED,
     FEATURES,
+    GIVEN_UP,
     HARD_CASES,
     JUDGED,
+    MOST_BREAKAGE_STEPS,
     Assessment,
     assessed_variants,
 )
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.conditions import RESOLVED, Conditions
+from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
 from jointclosure.storage.files import read_csv
 from tests.joints import DOLERITE, SPACING
 
@@ -300,6 +303,20 @@ def test_a_scene_that_fails_without_an_effect_needs_it():
     assert Assessment(closed, LADDER, "middle", 0.05).verdict("without gouge") == "needed: fails"
     wide = Assessment(closures(effect=0.05, scatter=0.05), LADDER, "middle", 0.05)
     assert wide.verdict("without gouge") == "not decided"
+
+
+def test_an_effect_without_which_breakage_takes_too_long_is_not_tested():
+    closed = closures()
+    closed.loc[closed.index[closed.variant == "without gouge"][0], "status"] = BREAKAGE_NOT_AT_REST
+    assert Assessment(closed, LADDER, "middle", 0.05).verdict("without gouge") == GIVEN_UP
+
+
+def test_only_joints_without_an_effect_are_given_up_early():
+    given = Conditions(SPACING, DOLERITE, 10e6, numerics=RESOLVED)
+    _, ladder, variants = assessed_variants(given)
+    for name, variant in variants.items():
+        most = given.numerics.most_breakage_steps if name in ladder else MOST_BREAKAGE_STEPS
+        assert variant.numerics.most_breakage_steps == most < 1e7
 
 
 @pytest.mark.parametrize(

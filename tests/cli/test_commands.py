@@ -137,7 +137,7 @@ def measured(inputs, tmp_path_factory, shared_command):
 
 def test_roughness_prints_every_measure_of_its_table(measured):
     out, table, _ = measured
-    assert "48 x 40 cells (x, y) of 0.25 mm; mean plane removed" in out
+    assert "48 x 40 cells of 0.25 mm (x, y); mean plane removed" in out
     assert all(name in out for name in table.index)
 
 

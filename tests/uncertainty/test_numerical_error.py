@@ -21,7 +21,7 @@ def stated(values=(1.0, 1.0, 1.0), jump=0.0, quantity=CLOSURE_NET, cycle=1):
 
 
 def test_results_that_agree_without_a_jump_leave_the_least_error():
-    assert stated() == pytest.approx(math.expm1(LIMIT * LEAST))
+    assert stated() == pytest.approx(math.expm1(LIMIT[CLOSURE_NET, True] * LEAST))
 
 
 @pytest.mark.parametrize("quantity", [CLOSURE_NET, STIFFNESS])
@@ -29,9 +29,10 @@ def test_results_that_agree_without_a_jump_leave_the_least_error():
 def test_terms_add_up_as_squares(quantity, cycle):
     values = [1.0, 1.1, 0.95]
     scatter = np.std(np.log(values), ddof=1)
-    squares = LEAST**2 + (OF_JUMP[quantity, cycle == 1] * 0.04) ** 2 + (OF_SCATTER * scatter) ** 2
+    first = cycle == 1
+    expected = math.hypot(LEAST, OF_JUMP[first] * 0.04, OF_SCATTER * scatter)
     assert stated(values, 0.04, quantity, cycle) == pytest.approx(
-        math.expm1(LIMIT * math.sqrt(squares))
+        math.expm1(LIMIT[quantity, first] * expected)
     )
 
 

@@ -438,7 +438,7 @@ def test_the_range_of_a_smooth_joint_has_the_usual_spacing(smooth):
     (usual,) = sources["spacing"].values[1:]
     changed = Variant("", "", conditions).changed("spacing", usual)
     assert changed.conditions.spacing == pytest.approx(SPACING)
-    fine = changed.walls(pair.upper, pair.lower, pair.errors)
+    fine = changed.walls(*pair.finest[:2], pair.errors)
     np.testing.assert_array_equal(fine[0], stated.upper)
 
 
@@ -446,7 +446,7 @@ def test_the_range_of_a_smooth_joint_has_rougher_walls(smooth):
     pair, _ = smooth
     conditions = Conditions(pair.spacing, "granite", 10e6, 1).checked()
     changed = Variant("", "", conditions).changed("resolution", 1)
-    drawn = changed.walls(pair.upper, pair.lower, pair.errors)
+    drawn = changed.walls(*pair.finest[:2], pair.errors)
     assert drawn[0].shape == pair.upper.shape
     assert rms_slope(sum(drawn), 1.0) > 1.2 * rms_slope(pair.upper + pair.lower, 1.0)
 

@@ -29,7 +29,12 @@ from jointclosure.joint.conditions import (
     conditions_from,
     takes_scans,
 )
-from jointclosure.joint.status import FAILURE, FLAGS, LARGEST_UNBREAKABLE_SHARE
+from jointclosure.joint.status import (
+    BREAKAGE_NOT_AT_REST,
+    FAILURE,
+    FLAGS,
+    LARGEST_UNBREAKABLE_SHARE,
+)
 from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, Numerics
@@ -78,6 +83,14 @@ _MEANINGS = {
 """Verdicts on a joint, the worst first, in words."""
 NEEDED_AS_FAILS = "needed: fails"
 """Verdict on effects without which a joint fails."""
+GIVEN_UP = "not tested: too long"
+"""Verdict on effects without which a joint exceeds `MOST_BREAKAGE_STEPS`."""
+MOST_BREAKAGE_STEPS = 2e4
+"""Breakage steps, over the number of cells, after which a joint without an effect is given up.
+
+That is half a minute for 100 x 100 cells. Most joints with all effects need 10 to 1000. Without
+interaction, joints of weak rock can need 300 000, as their gouge then breaks again and again.
+"""
 _VERDICTS = tuple(_MEANINGS)
 DROPS = (
     ("gouge",),
@@ -188,7 +201,10 @@ class Assessment:
 
     def verdict(self, variant: str) -> str:
         """Return whether effects can be left out within the request, by `JUDGED` of all cycles."""
-        if (self.closures[self.closures.variant == variant].status >= FAILURE).any():
+        statuses = self.closures[self.closures.variant == variant].status
+        if is_given_up(statuses).any():
+            return GIVEN_UP
+        if (statuses >= FAILURE).any():
             return NEEDED_AS_FAILS
         rows = self.differences[self.differences.variant == variant]
         return verdict_on_effects(rows, self.within)
@@ -499,7 +515,9 @@ def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Cond
         fewer = given.effects._replace(**dict.fromkeys(acting, False))
         # joints that break have no equilibrium without a substrate
         if acting and (fewer.substrate or not fewer.breakage):
-            variants[without(acting)] = given._replace(effects=fewer)
+            most = min(given.numerics.most_breakage_steps, MOST_BREAKAGE_STEPS)
+            numerics = given.numerics._replace(most_breakage_steps=most)
+            variants[without(acting)] = given._replace(effects=fewer, numerics=numerics)
     return stated, ladder, variants
 
 
@@ -596,6 +614,12 @@ def worst_first(hardness: pd.DataFrame) -> pd.DataFrame:
     """Return joints in the order of their verdicts, and of the spread of their copies."""
     order = np.lexsort((-hardness.spread, hardness.verdict.map(_VERDICTS.index)))
     return hardness.iloc[order].reset_index(drop=True)
+
+
+def is_given_up(statuses: pd.Series) -> pd.Series:
+    """Return which statuses (n,) of joints without an effect are of joints that were given up."""
+    known = statuses.fillna(0.0).astype(int)
+    return (known >= FAILURE) & (known & BREAKAGE_NOT_AT_REST > 0)
 
 
 def verdict_on_effects(differences: pd.DataFrame, within: float) -> str:

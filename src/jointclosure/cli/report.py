@@ -22,7 +22,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.laws import LAWS, fitted_laws
 from jointclosure.joint.status import LOADING
-from jointclosure.statistics.number_texts import ABSENT, number_text, percent_number
+from jointclosure.statistics.number_texts import ABSENT, grid_text, number_text, percent_number
 from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
@@ -182,7 +182,7 @@ def size_text(shape: tuple[int, int], spacing: float) -> str:
     """
     ny, nx = shape
     size = 1e3 * spacing
-    return f"{nx * size:.4g} x {ny * size:.4g} mm ({nx} x {ny} cells of {size:.4g} mm)"
+    return f"{nx * size:.4g} x {ny * size:.4g} mm ({grid_text(shape, spacing)})"
 
 
 def _notes(record: dict) -> list[str]:

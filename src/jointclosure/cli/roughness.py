@@ -14,6 +14,7 @@ import pandas as pd
 from jointclosure.cli import options, results
 from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import point_distance, wall_on_grid
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.missing_heights import LARGEST_FILLED_SHARE, MISSING, fill_missing
@@ -74,9 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")
-    ny, nx = wall.shape
     gaps = _words_on_missing(wall)
-    size = f"{nx} x {ny} cells (x, y) of {1e3 * step:.4g} mm{gaps}; mean plane removed"
+    size = f"{grid_text(wall.shape, step)} (x, y){gaps}; mean plane removed"
     _show(measures, size, remarks, arguments)
     if arguments.picture:
         figure = roughness_figure(wall, step, arguments.file.name)

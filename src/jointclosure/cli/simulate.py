@@ -27,6 +27,7 @@ from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
 from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import Numerics
+from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.synthesis import wall_pair
 
 _WALLS = ("jrc", "hurst", "jrc_relation", "normalise", "correlation", "shift_in_cells",
@@ -63,9 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
     lengths = options.given(arguments, ("joint_length", "lab_length"))
     check_joint_lengths(**lengths)
     walls = wall_pair(**about)
-    ny, nx = arguments.shape
-    size = 1e3 * conditions.grid_spacing
-    title = f"{rock.title}, JRC {jrc:g}, {nx} x {ny} cells of {size:g} mm, seed {arguments.seed}"
+    grid = grid_text(arguments.shape, conditions.grid_spacing)
+    title = f"{rock.title}, JRC {jrc:g}, {grid}, seed {arguments.seed}"
     print(f"{title}: {conditions.load_text()}")
     with closing_bar(conditions.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)

@@ -51,7 +51,7 @@ STATUSES = {
 """Bits of a simulation's status: below `FAILURE` remarks on a success, from it on failures."""
 FLAGS = {bit: flag.name for bit, flag in STATUSES.items()}
 """Names of the bits."""
-TARGET_JUMPED, OUTSIDE_MODEL_RANGE, FAILURE, *_ = FLAGS
+TARGET_JUMPED, OUTSIDE_MODEL_RANGE, FAILURE, BREAKAGE_NOT_AT_REST, *_ = FLAGS
 LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
 BRANCHES = LOADING, UNLOADING = "loading", "unloading"
 FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"

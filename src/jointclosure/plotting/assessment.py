@@ -83,5 +83,7 @@ def draw_effects(
     high = max(ends.max(initial=0.0), within)
     for place, name in enumerate(names):
         if not without.value_percent[without.variant == name].notna().any():
-            axes.text(0.0, place, "fails", color="0.3", ha="center", va="center", fontsize="small")
+            axes.text(
+                0.0, place, "no result", color="0.3", ha="center", va="center", fontsize="small"
+            )
     return percent_ticks(axes.xaxis, within, 1.4 * low, 1.4 * high)

@@ -1,4 +1,4 @@
-"""Numbers as text: rounded to their errors, with significant digits, and in percent."""
+"""Numbers as text: rounded to their errors, with significant digits, in percent, and grids."""
 
 import math
 from collections.abc import Sequence
@@ -113,3 +113,12 @@ def percent_number(value: float) -> str:
     if abs(value) >= 9.95:
         return f"{value:.0f}"
     return np.format_float_positional(float(f"{value:.2g}"), trim="-")
+
+
+def grid_text(shape: tuple[int, ...], spacing: float) -> str:
+    """Describe a grid of (ny, nx) cells with a spacing [m], such as "96 x 80 cells of 0.25 mm".
+
+    The number of cells along x comes first.
+    """
+    ny, nx = shape
+    return f"{nx} x {ny} cells of {1e3 * spacing:.4g} mm"

@@ -34,7 +34,7 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, check_choices
-from jointclosure.statistics.number_texts import percent
+from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
@@ -98,8 +98,8 @@ class ClosedJoint(NamedTuple):
         ny, nx = self.pair.upper.shape
         step = 1e3 * self.pair.spacing
         return (
-            f"{rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells of "
-            f"{step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm)"
+            f"{rock_text(self.conditions.rock, self.rock_name)}, "
+            f"{grid_text((ny, nx), self.pair.spacing)} ({nx * step:.3g} x {ny * step:.3g} mm)"
         )
 
     @property
@@ -228,7 +228,9 @@ def close(
     uncertain = (
         UncertainJoint(pair.upper, pair.lower, conditions)
         if single
-        else uncertain_joint(pair.upper, pair.lower, conditions, ranges, pair.errors)
+        else uncertain_joint(
+            pair.upper, pair.lower, conditions, ranges, pair.errors, pair.finest[:2]
+        )
     )
     if progress:
         print(_description(pair, conditions, name))
@@ -300,8 +302,7 @@ def _no_bar(share: float, variant: str) -> None:
 
 def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
     """Describe rock, grid and load of a joint before it is simulated."""
-    ny, nx = pair.upper.shape
-    cells = f"{nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm"
+    cells = grid_text(pair.upper.shape, pair.spacing)
     return f"{rock_text(conditions.rock, rock_name)}; {cells}: {conditions.load_text()}"
 
 

@@ -14,6 +14,7 @@ from jointclosure.joint.protocol import Report
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.uncertainty.sources import Source, sources_of
 from jointclosure.uncertainty.variants import Variant, variants_of
+from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
 CELLS = 2_000_000  # of all joints that are simulated at the same time; each cell takes 1 kB
@@ -24,7 +25,8 @@ class UncertainJoint(NamedTuple):
 
     ``upper`` and ``lower`` are its walls (y, x) [m], ``conditions`` as `Conditions.checked` returns
     them with the grid spacing, ``errors`` those of scanned walls. ``sources`` of uncertainty, by
-    name, make the ``variants`` of the joint; a joint without a range has none.
+    name, make the ``variants`` of the joint; a joint without a range has none. If the scans do not
+    resolve the grid to which the errors refer, ``finest`` are the walls on it.
     """
 
     upper: np.ndarray
@@ -33,6 +35,7 @@ class UncertainJoint(NamedTuple):
     errors: ScanErrors | None = None
     sources: Mapping[str, Source] = {}
     variants: tuple[Variant, ...] = ()
+    finest: Walls | None = None
 
     @property
     def cells(self) -> int:
@@ -42,7 +45,7 @@ class UncertainJoint(NamedTuple):
     def simulated(self, variant: Variant, report: Report | None = None) -> xr.Dataset | None:
         """Simulate a variant; None if it is refused, such as for more steps than allowed."""
         with suppress(InputError):
-            walls = variant.walls(self.upper, self.lower, self.errors)
+            walls = variant.walls(*(self.finest or (self.upper, self.lower)), self.errors)
             return simulate_walls(*walls, variant.conditions, report)
         return None
 
@@ -53,6 +56,7 @@ def uncertain_joint(
     conditions: Conditions,
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
+    finest: Walls | None = None,
 ) -> UncertainJoint:
     """Return a joint with its sources of uncertainty and variants; arguments as for its fields.
 
@@ -61,7 +65,7 @@ def uncertain_joint(
     """
     sources = sources_of(conditions, upper.shape, ranges, errors)
     variants = tuple(variants_of(conditions, sources))
-    return UncertainJoint(upper, lower, conditions, errors, sources, variants)
+    return UncertainJoint(upper, lower, conditions, errors, sources, variants, finest)
 
 
 def threads_for(cells: int, workers: int | None = None) -> int:

@@ -58,11 +58,8 @@ class Variant(NamedTuple):
     copy: str = "as it is"
 
     def walls(self, upper: np.ndarray, lower: np.ndarray, errors: ScanErrors | None) -> Walls:
-        """Return the walls (y, x) [m] of the variant."""
-        step = round(self.step)
-        if errors and errors.walls:
-            upper, lower = errors.walls
-            step = round(self.step * errors.step)
+        """Return the walls of the variant, from those (y, x) [m] to which the errors refer."""
+        step = round(self.step * (errors.step if errors else 1))
         if errors and self.scale:
             upper, lower = errors.with_one_scale(upper, lower, self.scale)
         if errors and self.resolution:

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
+from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls import gridding
 from jointclosure.walls.missing_heights import fill_dropouts, fill_missing, in_holes
 from jointclosure.walls.planes import detrended, plane_through
@@ -117,9 +118,9 @@ def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
 
 def _check_size(shape: tuple[int, ...], spacing: float, more: str = "") -> None:
     if min(shape) < SMALLEST_SIDE:
-        cells = f"{max(shape[1], 0)} x {max(shape[0], 0)} cells (x, y) of {1e3 * spacing:.4g} mm"
+        cells = grid_text((max(shape[0], 0), max(shape[1], 0)), spacing)
         must = f"at least {SMALLEST_SIDE} along each side (is the grid spacing too large?)"
-        raise InputError(f"the walls overlap in {cells}: {must}{more}")
+        raise InputError(f"the walls overlap in {cells} (x, y): {must}{more}")
 
 
 def _fitted_plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from jointclosure.inputs import InputError, check_one_of
 from jointclosure.inputs.remarks import Caution, caution, cautions
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.statistics.number_texts import percent
+from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import Walls, gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, point_distance, points_of
@@ -113,6 +113,7 @@ class RegisteredPair(NamedTuple):
     fine: FineWalls | None = None
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
+    scale: float = 1.0  # heights of the upper wall over those of the lower one, 1 unless clear
     scan_noise: tuple[tuple[str, float, float], ...] = ()
     """Name of each scanned wall, and the ends [m] of the 95 % interval of the standard deviation of
     its white noise, NaN if it is not known (`jointclosure.walls.scan_quality.noise_of_scan`)."""
@@ -138,9 +139,17 @@ class RegisteredPair(NamedTuple):
         return max(low, float(least)), max(high, float(least if high > 0.0 else most))
 
     @property
+    def finest(self) -> FineWalls:
+        """Walls on the finest grid, which is that of the joint unless the scans do not resolve it.
+
+        The ``errors`` refer to it.
+        """
+        return self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
+
+    @property
     def errors(self) -> ScanErrors:
         """Standard errors of the position, 0 if the walls stayed as scanned, and of the heights."""
-        fine = self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
+        fine = self.finest
         walls = (fine.upper, fine.lower)
         spacing = self.spacing / fine.step
         covariance = np.zeros((3, 3))
@@ -155,12 +164,9 @@ class RegisteredPair(NamedTuple):
         steps = np.concatenate([np.diff(sum(walls), axis=axis).ravel() for axis in (0, 1)])
         if self.rounding**2 > MOVED * float(np.mean(steps**2)):
             noise = max(noise[0], self.rounding), max(noise[1], self.rounding)
-        relative, error = scale_of(*walls)
         return ScanErrors(
-            offset, covariance, middle, noise, fine.holes,
-            walls=walls if self.fine else None, step=fine.step,
-            waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)),
-            scale=relative if scales_differ(relative, error) else 1.0,
+            offset, covariance, middle, noise, fine.holes, fine.step,
+            waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)), scale=self.scale,
         )  # fmt: skip
 
 
@@ -256,12 +262,14 @@ def registered(
         spacing *= step
     in_frame = fit.orientation == "common_frame" and not flat and (in_place or shift == "scanned")
     pair = _registered_pair(overlap, spacing, fit, motion, in_frame, report)
+    scale, error = scale_of(*walls)
+    differ = scales_differ(scale, error)
     pair = pair._replace(
-        fine=fine, waves=waves, rounding=_rounding_of_sum(prepared),
+        fine=fine, waves=waves, rounding=_rounding_of_sum(prepared), scale=scale if differ else 1.0,
         scan_noise=tuple((side, *noise_of_scan(scan)) for side, scan in prepared.measured.items()),
     )  # fmt: skip
-    if not flat and scales_differ(*(scale := scale_of(*walls))):
-        report.append(_scale_caution(*scale))
+    if differ:
+        report.append(_scale_caution(scale, error))
     contradictions, unlike_rock = plausibility.unit_doubts(_by_side(pair), spacing)
     if not unusual_values:
         _check_usual_slopes(pair, contradictions, unlike_rock)
@@ -662,7 +670,7 @@ def _registered_pair(
     together = upper + lower
     aperture = together.max() - together
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
-    cells = f"{upper.shape[1]} x {upper.shape[0]} cells (x, y) of {1e3 * spacing:.4g} mm"
+    cells = f"{grid_text(upper.shape, spacing)} (x, y)"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     if fit.fits:
         correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])

@@ -35,15 +35,14 @@ _CLEAR_SCALE = 5.0  # standard errors that such a difference must have; chosen
 
 
 class ScanErrors(NamedTuple):
-    """Errors of registered walls, in cells."""
+    """Errors of registered walls, in cells of the finest grid that the scans give."""
 
     offset: np.ndarray  # rotation [rad], x and y of the fit from the position of the upper wall
     covariance: np.ndarray  # of the offset
     middle: np.ndarray  # place (x, y) about which it rotates
     noise: tuple[float, float]  # of the sum of both walls: low and high standard deviation [m]
     holes: np.ndarray  # cells (y, x) without a scanned height
-    walls: Walls | None = None  # on a finer grid than that of the joint, to which all errors refer
-    step: int = 1  # spacing of the joint, in cells of the finer grid
+    step: int = 1  # spacing of the joint, in cells of this grid
     waves: tuple[float, float] = (0.0, 0.0)  # [cells] at which the scans lost half of the power
     scale: float = 1.0  # heights of the upper wall over those of the lower one
 

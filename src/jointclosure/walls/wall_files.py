@@ -8,6 +8,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution
+from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.registration import RegisteredPair, registered
 from jointclosure.walls.scans import read_scan
@@ -73,8 +74,8 @@ def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
     cells = shape[0] * shape[1]
     if cells > LARGEST and not stated:
         raise InputError(
-            f"{shape[1]} x {shape[0]} cells of {1e3 * spacing:.4g} mm: must be at most {LARGEST:,} "
-            f"cells unless the grid spacing is stated; {coarser_grid(shape, spacing)}"
+            f"{grid_text(shape, spacing)}: must be at most {LARGEST:,} cells unless the grid "
+            f"spacing is stated; {coarser_grid(shape, spacing)}"
         )
 
 
