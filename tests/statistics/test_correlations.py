@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from jointclosure.statistics.correlations import elasticity, fit_quadratic, quadratic_errors
+from jointclosure.statistics.correlations import (
+    elasticity,
+    elasticity_of,
+    fit_quadratic,
+    quadratic_errors,
+)
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
     deviation_covariance,
@@ -51,6 +56,36 @@ def test_an_elasticity_is_that_of_the_response(elasticities):
     assert elasticities[:, 0].mean() == pytest.approx(-1.0, abs=0.02)
 
 
-def test_the_error_of_an_elasticity_is_its_scatter(elasticities):
+def test_the_error_of_an_elasticity_is_hardly_more_than_its_scatter(elasticities):
+    """Besides the scatter it contains the error of the form, which is small for close levels."""
     scatter = elasticities[:, 0].std()
-    assert np.sqrt(np.mean(elasticities[:, 1] ** 2)) == pytest.approx(scatter, rel=0.05)
+    assert scatter < np.sqrt(np.mean(elasticities[:, 1] ** 2)) < 1.15 * scatter
+
+
+@pytest.mark.parametrize("power", [-1.0, 0.6])
+def test_the_elasticity_of_a_power_law_does_not_depend_on_its_levels(power):
+    levels = np.array([15.0, 22.0, 30.0])
+    found = elasticity_of(levels, levels**power, np.zeros((3, 3)), 22.0)
+    assert found.value == pytest.approx(power, abs=1e-12)
+
+
+def test_the_error_of_an_elasticity_contains_that_of_its_form():
+    """Of three wide levels it is not known whether closure is quadratic in the parameter."""
+    levels = np.array([15.0, 22.0, 30.0])
+    in_parameter = fit_quadratic(levels, 1.0 / levels, 22.0).elasticity()
+    assert in_parameter == pytest.approx(-1.12, abs=0.01)
+    found = elasticity_of(levels, 1.0 / levels, np.zeros((3, 3)), 22.0)
+    assert found.standard_error == pytest.approx(abs(in_parameter + 1.0))
+
+
+def test_an_elasticity_is_that_of_the_quadratic_if_a_level_is_zero():
+    levels = np.array([0.0, 0.2, 0.3])
+    means = 1.0 - levels**2
+    found = elasticity_of(levels, means, 1e-6 * np.eye(3), 0.2)
+    assert found.value == pytest.approx(-2.0 * 0.04 / 0.96)
+    assert found.standard_error > 0.0
+
+
+def test_means_that_are_not_positive_have_no_elasticity():
+    found = elasticity_of(LEVELS, np.array([1.0, 0.0, -1.0]), np.eye(3), 78.0)
+    assert np.isnan(found.value)
