@@ -1,7 +1,7 @@
 """Small panels of the assessment in the report of a study, for its first screen."""
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from textwrap import fill
 from typing import Any
 
@@ -238,12 +238,12 @@ def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
         words = row.verdict if isinstance(row.verdict, str) and row.verdict else "no remark"
         axes.annotate(
             fill(words, 18), (ends[place], place), xytext=(7, 0), textcoords="offset points",
-            va="center", color="0.2", bbox={"fc": "w", "ec": "none", "pad": 0.5}, **_letters(),
+            va="center", color="0.2", bbox={"fc": "w", "ec": "none", "pad": 0.5},
+            in_layout=False, **_letters(),
         )  # fmt: skip
     labels = [_joint_title(row, titles, len(rows)) for row, rows in zip(worst, pairs, strict=True)]
     axes.set_yticks(range(len(worst)), labels)
-    span = 1.7 * max(1.25, *ends) if ends else 1.0  # room for words
-    axes.set(xlim=(0.0, span), ylim=(len(worst) - 0.4, -0.6))
+    axes.set(xlim=(0.0, 1.7 * max([1.25, *ends])), ylim=(len(worst) - 0.4, -0.6))
     jump_limit = percent(0.01 * table.jump_limit_percent.iloc[0])
     lines = [
         "measure of hardness over its limit (dashed)",
@@ -264,7 +264,18 @@ def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     axes.tick_params(labelsize=SMALL)
     axes.tick_params(axis="y", length=0)
     sns.despine(figure, left=True)
+    _make_room(figure, axes, ends)
     return figure
+
+
+def _make_room(figure: Figure, axes: Axes, ends: Sequence[float]) -> None:
+    """Set the upper end of the axis so that the words to the right of ``ends`` are not cut."""
+    figure.draw_without_rendering()  # lays the figure out, which determines lengths in pixels
+    width = axes.get_window_extent().width
+    gap = 9.0 * figure.dpi / 72.0
+    rooms = [max(width - gap - text.get_window_extent().width, 1.0) for text in axes.texts]
+    spans = [width * end / room for end, room in zip(ends, rooms, strict=True)]
+    axes.set_xlim(0.0, max([1.25, *spans]))
 
 
 def _joint_title(row: Any, titles: Mapping[str, str], cases: int) -> str:

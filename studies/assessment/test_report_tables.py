@@ -576,7 +576,7 @@ def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
     assert "Of the others 7 are hard because their closure jumps." in text
     assert "Substrate is needed: joints that break have no equilibrium without it." in text
     assert "8 % was expected, and 10 % is allowed." in text
-    assert "bars of closure are 95 % intervals of 4 joints by Student's t" in text
+    assert "Bars of closure are 95 % intervals of 4 joints by Student's t" in text
     assert "whether these joints show its error to be within 5 % or beyond" in text
 
 

@@ -111,7 +111,9 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
         "cycle": 2, "samples": samples,
     })  # fmt: skip
     assert report.most_sensitive(table, "youngs_modulus") == verdict
+    least, most = (report.rounded(value, error) for value in sorted((of_slate, of_dolerite)))
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
+    about["elasticity"] = f"{least} to {most}"
     assert report.headlines(table) == [about]
     first = table.assign(cycle=1, elasticity=table.elasticity[::-1].to_numpy())
     others = report.headlines(pd.concat([first, table]))

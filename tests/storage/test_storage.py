@@ -331,7 +331,7 @@ def test_the_reason_of_a_failure_is_the_error_and_never_an_ordinary_line(tmp_pat
     assert reason_of_failure(log) == "InputError: two lines: of an error"
     with logging_to(log) as book:  # as left by a process that is killed
         book("realisation 1: status 0, 0.02 s")
-    assert reason_of_failure(log) == "it was killed, perhaps for lack of memory"
+    assert reason_of_failure(log) == "it was ended from outside, by a signal or for lack of memory"
 
 
 def test_an_error_that_is_logged_is_raised_where_that_is_asked_for(tmp_path):

@@ -83,5 +83,5 @@ def reason_of_failure(log: str | Path) -> str:
     lines = file.read_text(encoding="utf-8", errors="replace").split("\n")
     starts = [place for place, line in enumerate(lines) if line.startswith(FAILED)]
     if not starts:
-        return "it was killed, perhaps for lack of memory"
+        return "it was ended from outside, by a signal or for lack of memory"
     return " ".join(" ".join(lines[starts[-1] :]).split()).removeprefix(FAILED)

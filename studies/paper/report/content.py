@@ -351,7 +351,10 @@ def headlines(elasticities: pd.DataFrame | None) -> list[dict[str, Any]]:
 
 
 def _headline(of_cycle: pd.DataFrame) -> dict[str, Any]:
-    """Return the most sensitive property of one cycle, of `headlines`; empty if it is not known."""
+    """Return the most sensitive property of one cycle, of `headlines`; empty if it is not known.
+
+    ``elasticity`` is its elasticity with a standard error, or the range of that of several rocks.
+    """
     sizes = of_cycle.assign(size=of_cycle.elasticity.abs()).groupby("rock", sort=False)
     if not len(sizes) or sizes.size().min() < 2:
         return {}
@@ -360,6 +363,8 @@ def _headline(of_cycle: pd.DataFrame) -> dict[str, Any]:
     if not title.startswith(("Young", "Poisson", "JRC")):  # names keep their capitals
         title = title[0].lower() + title[1:]
     about = {"property": title, "rocks": len(sizes), "cycle": of_cycle.cycle.iloc[0]}
+    sizes = of_cycle.loc[of_cycle.parameter == first, ["elasticity", "elasticity_standard_error"]]
+    about["elasticity"] = _range_with_errors(sizes)
     return about | {"verdict": most_sensitive(of_cycle, first)}
 
 
