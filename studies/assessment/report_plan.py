@@ -184,7 +184,8 @@ def _scopes(given: Conditions) -> Iterator[_Scope]:
     """Generate scopes of comparison from the largest to the smallest.
 
     The first has all settings and effects. Then settings are left out, until the stated one and one
-    that is finer remain, and finally the variants of effects that are costly.
+    that is finer remain, with the cheapest one, which takes little time. Finally the variants of
+    effects that are costly are left out.
     """
     stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
     effects = [name for name in variants if name not in ladder]
@@ -194,7 +195,7 @@ def _scopes(given: Conditions) -> Iterator[_Scope]:
     if len(finer) > 1:
         kept += [ladder[:-1], [stated, finer[-2]]]
     elif finer:
-        kept += [[stated, finer[-1]]]
+        kept += [[*dict.fromkeys((ladder[0], stated)), finer[-1]]]
     for settings in kept:
         yield _Scope(stated, (*settings,), _others(ladder, settings), True)
     if costly:

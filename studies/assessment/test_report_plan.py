@@ -56,6 +56,14 @@ def test_the_default_study_is_assessed_in_all_rocks_within_a_tenth_of_its_time()
     assert plan.stated != plan.ladder[-1]  # something finer is compared
 
 
+def test_a_small_study_compares_the_cheapest_setting_and_a_finer_one():
+    """The cheapest one takes little time, and may suffice."""
+    plan = planned(study_of(SMALL | {"numerics": {"breakage": "resolved"}}))
+    assert plan.ladder == ("the paper's steps", "tolerance 0.02", "tolerance 0.004")
+    assert plan.stated == "tolerance 0.02"
+    assert plan.omitted == ("tolerance 0.1",)
+
+
 def test_a_larger_share_closes_more():
     few, many = (planned(study_of({"assessment": {"share": share}})) for share in (0.05, 0.5))
     assert few.seconds < many.seconds <= 0.5 * many.study_seconds
