@@ -36,8 +36,8 @@ from studies.misalignment.section import MisalignmentSection
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
 """Quantities of the column ``response``."""
 SHOWN: tuple[tuple[str, int], ...] = (
-    ("max_closure", 1),
-    ("max_closure", 2),
+    ("max_closure_seated_net", 1),
+    ("max_closure_seated_net", 2),
     ("residual_closure_seated_net", 1),
 )
 SHOWN += (("stiffness_net", 1), ("stiffness_net", 2))
