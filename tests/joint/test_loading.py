@@ -105,3 +105,15 @@ def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
     checked = jc.Conditions(SPACING, "granite", load).checked()
     assert checked.seating_stress == pytest.approx(seating, rel=1e-15)
     assert checked == checked.checked()
+
+
+@pytest.mark.parametrize(
+    ("stresses", "words"),
+    [
+        (8e6, "8 MPa, 2 cycles"),
+        ((8e6, 5e6), "8, 5 MPa, 1 cycle (up to 8 and down to 5 MPa; 8.5 MPa has a decimal point)"),
+        ((5e6, 0.0, 20e6), "5, 0, 20 MPa, 2 cycles"),
+    ],
+)
+def test_the_load_in_words_shows_a_decimal_comma(stresses, words):
+    assert jc.Conditions(SPACING, "granite", stresses).load_text() == words

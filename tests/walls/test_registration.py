@@ -673,3 +673,17 @@ def test_holes_of_scattered_points_do_not_change_the_spacing_of_the_other_grid(w
     far = Cloud(whole[::2])
     assert point_distance(far) > 1.3 * SPACING
     assert registered(far, ground, orientation="common_frame", shift="scanned").spacing > SPACING
+
+
+@pytest.mark.parametrize("number", [1, 4])
+def test_two_peaks_about_one_rotation_are_one_fit(number):
+    """Slopes correlate best beside the true rotation, on both of its sides."""
+    upper, lower = jc.wall_pair(
+        10.0, (52, 52), SPACING, number, mismatch_wavelength=3e-3, roll_off=None
+    )
+    scans = [points_of(grid(heights)) for heights in (-upper, lower)]
+    turned = (scans[0] - scans[0].mean(axis=0)) @ (rotation("z", 5.0) @ rotation("y", 3.0)).T
+    pair = registered(Cloud(turned), Cloud(scans[1]), SPACING)
+    assert pair.orientation == "common_frame"
+    error = pair.motion.standard_errors()[0]
+    assert pair.motion.angle == pytest.approx(-5.0, abs=3.0 * error)

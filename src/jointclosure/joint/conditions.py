@@ -180,11 +180,17 @@ class Conditions(NamedTuple):
         return self.effects, self.choices, self.numerics
 
     def load_text(self) -> str:
-        """Describe the load in words: its stresses in MPa, and its cycles."""
-        given = _turns(self.max_normal_stress)[0]
+        """Describe the load in words: its stresses in MPa, and its cycles.
+
+        Two stresses alone may have been meant as one number with a decimal comma.
+        """
+        given = [f"{1e-6 * stress:g}" for stress in _turns(self.max_normal_stress)[0]]
         cycles = self.cycle_count
-        stresses = ", ".join(f"{1e-6 * stress:g}" for stress in given)
-        return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
+        load = f"{', '.join(given)} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
+        if len(given) == 2 and "." not in "".join(given):
+            high, low = given
+            load += f" (up to {high} and down to {low} MPa; {high}.{low} MPa has a decimal point)"
+        return load
 
     def attributes(self) -> dict[str, Any]:
         """Return checked conditions as attributes of a dataset."""

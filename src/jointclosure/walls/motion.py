@@ -273,8 +273,13 @@ class SlopeFit(NamedTuple):
 
     def differs_from(self, other: "SlopeFit") -> bool:
         """Return whether orientations differ, or angles by more than `DIFFERENT_ROTATIONS`."""
-        apart = abs((self.angle - other.angle + 180.0) % 360.0 - 180.0) > DIFFERENT_ROTATIONS
-        return apart or self.orientation != other.orientation
+        return self.turned_from(other) > DIFFERENT_ROTATIONS
+
+    def turned_from(self, other: "SlopeFit") -> float:
+        """Return the difference of the angles [degrees], infinite for another orientation."""
+        if self.orientation != other.orientation:
+            return math.inf
+        return abs((self.angle - other.angle + 180.0) % 360.0 - 180.0)
 
     def __str__(self) -> str:
         angle = self.angle - 360.0 if self.angle > 180.0 else self.angle  # as that of a motion

@@ -60,6 +60,8 @@ the first contact may be a spike."""
 _SAME = 0.05
 """Relative difference up to which scattered points count as being as far apart as those of a grid.
 Holes of a tenth of a wall make their mean distance larger by as much."""
+_ONE_PEAK = 20.0
+"""Difference of two rotations [degrees] up to which both may belong to one peak of correlation."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
 SPIKES = ("keep", "cut")  # what is done with spikes
@@ -605,7 +607,7 @@ def _oriented_fit(
     for blocks in BLOCKS:
         tried = compare_rotations(upper, lower, _FLIPS, blocks)
         best = tried[0]
-        second = next(fit for fit in tried if fit.differs_from(tried[0]))
+        second = _second_fit(upper, lower, tried)
         if clear := best.correlation >= CLEAR * max(second.correlation, 0.0):
             break
     best_of = {fit.orientation: fit for fit in reversed(tried)}  # later entries replace worse ones
@@ -615,7 +617,8 @@ def _oriented_fit(
             f"the fit of the walls is ambiguous: slopes correlate by {best} and by {second}, "
             f"but the best must be {CLEAR:g} times the second; check that these are the walls of "
             f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
-            "and keep their scanned position"
+            "and keep their scanned position; for walls that mate state shift mated (--shift) too, "
+            "and check the position of best fit that is printed then"
         )
     used = orientation or best.orientation
     how = "found" if orientation is None else "stated"
@@ -637,6 +640,27 @@ def _oriented_fit(
         return _BestFit(used, fits, None)
     mated = refined_motion(upper, lower, _FLIPS[used], best_of[used])
     return _BestFit(used, fits, mated)
+
+
+def _second_fit(upper: Surface, lower: Surface, tried: list[SlopeFit]) -> SlopeFit:
+    """Return the second best of all fits, the best first, or the next one if it is the same fit.
+
+    Correlations of slopes of few cells have two peaks about one rotation, as slopes of a wall that
+    is turned by a multiple of a right angle need no interpolation. Fits of one orientation count as
+    one if both, refined by heights, lead to the same position within a cell.
+    """
+    best = tried[0]
+    second = next(fit for fit in tried if fit.differs_from(best))
+    clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
+    if clear or second.turned_from(best) > _ONE_PEAK:
+        return second
+    flip = _FLIPS[best.orientation]
+    one, other = (refined_motion(upper, lower, flip, fit) for fit in (best, second))
+    reach = 0.5 * upper.spacing * np.array(upper.heights.shape[::-1])
+    known = np.isfinite([one.covariance, other.covariance]).all()
+    if known and one.corner_distance(other, reach) < upper.spacing:
+        return next(fit for fit in tried if fit.turned_from(best) > _ONE_PEAK)
+    return second
 
 
 def _check_unturned(
