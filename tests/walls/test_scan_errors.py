@@ -7,6 +7,7 @@ import pytest
 import scipy
 
 import jointclosure as jc
+from benchmarks.registration import rotation
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.sources import sources_of
 from jointclosure.uncertainty.variants import Variant
@@ -326,6 +327,16 @@ def test_a_filter_shows_in_points_that_lie_on_a_grid_once_they_are_level(filtere
     assert pair.waves == pytest.approx((6.4 * SPACING * filtered,) * 2, rel=0.25)
     alone = registered("flat", clouds[1])
     assert ("holds nothing below" in " ".join(alone.warnings)) == filtered
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_a_grid_that_was_turned_and_tilted_shows_no_noise(number):
+    """Its distances along both directions are nearly equal, and walls differ by direction."""
+    wall, _ = jc.wall_pair(10.0, (64, 64), SPACING, number, roll_off=None)
+    y, x = SPACING * np.indices(wall.shape)
+    points = np.column_stack([x.ravel(), y.ravel(), wall.ravel()])
+    turned = points @ (rotation("z", 11.0) @ rotation("x", 3.0)).T
+    assert noise_of_points(Cloud(turned)) == 0.0
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.1e-3])

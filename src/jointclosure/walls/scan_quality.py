@@ -37,7 +37,9 @@ FALLING = 1.3
 lie apart. Of walls and of noise it is at most 1, of the published fracture 1.02."""
 _SAMPLE = 20_000  # most points whose nearest ones are compared
 _NEIGHBOURS = 11  # nearest ones of each
-_DISTANCES = np.geomspace(0.1, 1.6, 13)  # limits of their distances, in mean distances of points
+_DISTANCES = 0.9 * np.geomspace(0.1, 1.6, 13)
+"""Limits of their distances, in mean distances of points. None is near 1, so that the neighbours of
+a grid that was turned and tilted are not parted by their directions, in which walls differ."""
 _ORDER = 3  # of the differences by which filters are found
 _LAGS = (1, 2, 3, 4, 6, 8)  # distances of the heights in these differences [cells]
 _HALF = 2.0 * math.pi / math.sqrt(math.log(2.0))
