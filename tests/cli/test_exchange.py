@@ -613,6 +613,21 @@ def test_the_stiffness_of_the_first_loading_has_a_function_of_its_constants(hist
     assert eval(rule.replace("^", "**"), {}, at) == pytest.approx(expected)
 
 
+def test_fish_says_how_far_the_stiffness_of_the_hyperbola_is_from_that_of_the_joint(history):
+    curves = stress_table(history)
+    text = exports.barton_bandis_commands(history, curves, LAWS)["barton_bandis.dat"]
+    (low, high) = re.findall(r"; the stiffness .* by (.*) % to (.*) % at", text)[0]
+    values, stiffness = fish_constants(history, curves)
+    rows = curves[(curves.cycle == curves.cycle.max()) & (curves.branch == "loading")]
+    rows = rows[1e6 * rows.normal_stress_MPa > values["bb_seating"]]
+    known = 1e9 * rows.normal_stiffness_net_MPa_per_mm
+    apart = [
+        100.0 * (stiffness(1e6 * stress) / own - 1.0)
+        for stress, own in zip(rows.normal_stress_MPa, known, strict=True)
+    ]
+    assert (float(low), float(high)) == pytest.approx((min(apart), max(apart)), rel=0.1)
+
+
 @pytest.fixture(scope="module")
 def straight(history):
     """A joint that closes in proportion to the stress, which is no hyperbola."""

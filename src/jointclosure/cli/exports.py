@@ -418,6 +418,7 @@ def barton_bandis_commands(
             "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
             f"{_of_loading(joint, cycle)}"
         )
+        head.append(f"; {_about_tangent(fitted[''], _known_loadings(joint, curves), seating)}")
         ranges = _about_ranges(curves, "_closes_less", "_closes_more", "_with_choices")
         head += [f"; {line}" for line in ranges]
     return {"barton_bandis.dat": "\n".join([*head, *lines]) + "\n" + function}
@@ -480,6 +481,23 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
 
 _TENTH = 9.0
 """GEOS' BartonBandis has a tenth of the aperture at the reference stress: a0/(1 + 9 s/s_ref)."""
+
+
+def _about_tangent(law: Hyperbola, loadings: pd.DataFrame, seating: float) -> str:
+    """Say how far the stiffness of a hyperbola is from that of its loading, above seating [Pa]."""
+    rows = loadings[(loadings.cycle == law.cycle) & (1e6 * loadings.normal_stress_MPa > seating)]
+    rows = rows.dropna(subset="normal_stiffness_net_MPa_per_mm")
+    if rows.empty:
+        return "the stiffness of the loading is not known"
+    stress = rows.normal_stress_MPa.to_numpy()
+    above = 1e6 * stress - seating
+    tangent = law.stiffness * (1.0 + above / (law.stiffness * law.largest_closure)) ** 2
+    apart = 1e-9 * tangent / rows.normal_stiffness_net_MPa_per_mm.to_numpy() - 1.0
+    return (
+        f"the stiffness of the hyperbola of bb_kni and bb_vm differs from that of the joint "
+        f"(answer.csv) by {percent(apart.min())} to {percent(apart.max())} at {stress.min():.3g} "
+        f"to {stress.max():.3g} MPa"
+    )
 
 
 def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
