@@ -464,6 +464,15 @@ def test_a_pair_of_walls_that_cases_share_has_one_bar_with_the_range_over_its_ca
     )
 
 
+def test_words_of_the_hardness_panel_are_not_cut():
+    table = hardness_table(dataset(), WITHIN, jumps=True)
+    titles = {"slate": "Slate of a long name that takes half", "dolerite": "Dolerite"}
+    figure = hardness_panel(table, titles)
+    figure.draw_without_rendering()
+    ends = [text.get_window_extent().x1 for text in figure.axes[0].texts]
+    assert max(ends) <= figure.bbox.width
+
+
 @pytest.mark.parametrize("closed", [True, False])
 def test_the_report_says_what_was_reached_or_why_nothing_is_known(closed, study, joints, table):
     configuration = study_of({"study": {"rocks": list(ROCKS)}})
