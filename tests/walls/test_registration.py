@@ -676,8 +676,8 @@ def test_holes_of_scattered_points_do_not_change_the_spacing_of_the_other_grid(w
 
 
 @pytest.mark.parametrize("number", [1, 4])
-def test_two_peaks_about_one_rotation_are_one_fit(number):
-    """Slopes correlate best beside the true rotation, on both of its sides."""
+def test_fits_of_one_broad_peak_are_one_fit(number):
+    """Slopes correlate nearly as well at rotations that differ by 12 degrees."""
     upper, lower = jc.wall_pair(
         10.0, (52, 52), SPACING, number, mismatch_wavelength=3e-3, roll_off=None
     )

@@ -25,8 +25,9 @@ class UncertainJoint(NamedTuple):
 
     ``upper`` and ``lower`` are its walls (y, x) [m], ``conditions`` as `Conditions.checked` returns
     them with the grid spacing, ``errors`` those of scanned walls. ``sources`` of uncertainty, by
-    name, make the ``variants`` of the joint; a joint without a range has none. If the scans do not
-    resolve the grid to which the errors refer, ``finest`` are the walls on it.
+    name, make the ``variants`` of the joint; a joint without a range has none. The errors refer to
+    the walls ``finest``, on a finer grid if the scans do not resolve it; by default they are
+    ``upper`` and ``lower``.
     """
 
     upper: np.ndarray

@@ -645,9 +645,9 @@ def _oriented_fit(
 def _second_fit(upper: Surface, lower: Surface, tried: list[SlopeFit]) -> SlopeFit:
     """Return the second best of all fits, the best first, or the next one if it is the same fit.
 
-    Correlations of slopes of few cells have two peaks about one rotation, as slopes of a wall that
-    is turned by a multiple of a right angle need no interpolation. Fits of one orientation count as
-    one if both, refined by heights, lead to the same position within a cell.
+    The peak of the correlation about a rotation is broad on walls with long waves or of few cells,
+    so that it can contain two fits whose angles differ by more than `DIFFERENT_ROTATIONS`. They
+    count as one if both, refined by heights, lead to the same position within a cell.
     """
     best = tried[0]
     second = next(fit for fit in tried if fit.differs_from(best))
