@@ -32,7 +32,7 @@ def nothing_is_computed(monkeypatch, inputs):
         (["close", *SCANS, *GRANITE, "--output", "no/where"], "no/where: folder no not found"),
         (["close", *SCANS, *GRANITE, "--range", "strength", 1, 2], "--range strength: must be one"),
         (["close", *SCANS, *GRANITE, *(2 * [*STRENGTH, 1, 2])], "MPa: must be given once"),
-        (["close", *SCANS, *GRANITE, *STRENGTH, 1, 2, "--single"], "left out with --single"),
+        (["close", *SCANS, *GRANITE, *STRENGTH, 1, 2, "--single"], "must be left out with single"),
         (
             ["close", *SCANS, *GRANITE, "--largest-radius", 0.05],
             "must be at least the grid spacing",

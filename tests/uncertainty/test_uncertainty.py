@@ -935,3 +935,19 @@ def test_it_is_said_what_a_share_of_100_percent_is(budget):
     (legend,) = range_figure(budget, "a joint").legends
     assert "100 % is the variance" in legend.get_title().get_text().replace("\n", " ")
     assert "as registered, usual values" in [part.get_text() for part in legend.get_texts()]
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ({"single": True, "ranges": {"peak_modulus_ratio": (0.05, 0.1)}}, "left out with single"),
+        ({"ranges": {"foo": (1.0, 2.0)}}, "ranges: 'foo': must be one of youngs_modulus"),
+        ({"ranges": {"peak_modulus_ratio": (0.2, 0.1)}}, "the lowest value must come first"),
+        ({"spikes": "foo"}, "spikes = 'foo': must be one of"),
+        ({"shift": "foo"}, "shift = 'foo': must be one of"),
+        ({"orientation": "foo"}, "orientation = 'foo': must be one of"),
+    ],
+)
+def test_arguments_are_refused_before_files_are_read(stated, words):
+    with pytest.raises(jc.InputError, match=words):
+        jc.close("no_upper.npz", "no_lower.npz", rock="granite", max_normal_stress=5e6, **stated)

@@ -49,8 +49,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate the joint and write its folder; return 1 if the simulation failed."""
     from jointclosure.plotting import walls  # noqa: F401  an extra that may be missing
 
-    if arguments.single and arguments.range:
-        raise InputError("--range: must be left out with --single")
     rock, stated = options.keywords(arguments, close, RESOLVED, "max_normal_stress")
     stated["ranges"] = _ranges(arguments.range)
     asked = stated.pop("snapshots")

@@ -12,6 +12,7 @@ import xarray as xr
 
 from jointclosure.execution.progress import bar, closing_bar
 from jointclosure.execution.workers import number_of_workers
+from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.conditions import (
     Changes,
@@ -38,6 +39,7 @@ from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
+from jointclosure.uncertainty.sources import check_ranges
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
@@ -210,6 +212,9 @@ def close(
     checked = stated.checked(snapshots)
     check_named_stresses(at, checked)
     check_joint_lengths(joint_length, lab_length)
+    if single and ranges:
+        raise InputError("ranges (--range): must be left out with single (--single)")
+    check_ranges(checked, ranges)
     pair = registered_walls(
         upper,
         lower,

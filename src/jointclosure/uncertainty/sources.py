@@ -99,7 +99,7 @@ def sources_of(
     ``ranges`` are stated ones of `VARIED`, ``errors`` those of scanned walls. Raise `InputError` if
     a range is not allowed.
     """
-    _check_ranges(conditions, ranges)
+    check_ranges(conditions, ranges)
     effects = conditions.effects
     numerics = conditions.numerics
     choices = conditions.choices
@@ -168,7 +168,11 @@ def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Sourc
     return Source((low, high), "range", varied, part)
 
 
-def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
+def check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Raise `InputError` if a range is not allowed for checked conditions.
+
+    A range of the spacing is compared with that of the joint's grid if this is known.
+    """
     first, second = both_walls(conditions.rock)
     for name, ends in ranges.items():
         if name not in VARIED:
@@ -185,6 +189,8 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
             )
         if name in OF_ROCK and first != second:
             raise InputError(f"ranges: {name}: both walls must be of one rock")
+        if name == "spacing" and conditions.spacing is None:
+            continue
         if name == "spacing":
             grid = conditions.grid_spacing
             if round(ends[1] / grid) < 2 or not np.isclose(ends[0], grid, rtol=1e-3):

@@ -1,7 +1,7 @@
 """Registration of the scans of the two walls of a joint (`registered`), see docs/two_scans.md."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -218,11 +218,7 @@ def registered(
     InputError
         If the fit is ambiguous and orientation and shift are not stated, or the pair is unusual.
     """
-    if orientation is not None:
-        check_one_of("orientation", orientation, tuple(ORIENTATIONS))
-    if shift is not None:
-        check_one_of("shift", shift, SHIFTS)
-    check_one_of("spikes", spikes, SPIKES)
+    check_options(orientation, shift, spikes)
     flat = next((side for side, s in zip(_SIDES, (upper, lower), strict=True) if s == FLAT), None)
     rough = _rough_scans(upper, lower, orientation)
     prepared = _prepared_scans(rough, orientation, spikes == "cut", not unusual_values)
@@ -280,6 +276,17 @@ def registered(
         plausibility.check_pair(overlap.upper - overlap.lower, pair.correlation, in_frame)
     report += [caution(doubt) for doubt in contradictions + unlike_rock]
     return pair
+
+
+def check_options(
+    orientation: str | None = None, shift: str | None = None, spikes: str = "cut", **_: Any
+) -> None:
+    """Raise `InputError` if an option of `registered` is none of its words."""
+    if orientation is not None:
+        check_one_of("orientation", orientation, tuple(ORIENTATIONS))
+    if shift is not None:
+        check_one_of("shift", shift, SHIFTS)
+    check_one_of("spikes", spikes, SPIKES)
 
 
 class _PreparedScans(NamedTuple):

@@ -10,7 +10,7 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
-from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.registration import RegisteredPair, check_options, registered
 from jointclosure.walls.scans import read_scan
 
 LARGEST = 1000 * 1000  # most cells of a joint without a stated grid spacing
@@ -35,6 +35,7 @@ def registered_walls(
     for name, value in scans.items():
         if isinstance(value, tuple | list) and len(value) != 2:
             raise InputError(f"{name} = {value!r}: must be one value, or one for each wall")
+    check_options(**options)  # before files are read
     above, below = (
         read_wall(wall, **{k: v[n] if isinstance(v, tuple | list) else v for k, v in scans.items()})
         for n, wall in enumerate((upper, lower))
