@@ -84,7 +84,9 @@ def walls_rocks(rock):
 
 
 def curvature(z, h, largest_radius=None, concave="magnitude"):
-    """Compute the Gaussian curvature (y, x) [1/m] of heights ``z`` (y, x) [m] at spacing ``h`` [m].
+    """Compute the inverse Gaussian radius (y, x) [1/m] of heights ``z`` (y, x) [m].
+
+    It is the root of the product of the curvatures of both profiles at the spacing ``h`` [m].
 
     The circles go through three points; heights are mirrored at edges. ``largest_radius`` [m]
     bounds the Gaussian radius; with ``concave`` other than "magnitude" concave profiles are flat.

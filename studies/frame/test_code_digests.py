@@ -46,7 +46,7 @@ def edit(file, old, new):
 
 
 def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
-    names = ("solvers.fast", "joint.protocol", JOINTS, "statistics.indifference")
+    names = ("solvers.fast", "joint.cycling", JOINTS, "statistics.indifference")
     before = digests(*names)
     edit(copy / "mechanics/contact.py", "3.0 * substrate", "3.1 * substrate")
     same = [a == b for a, b in zip(before, digests(*names), strict=True)]

@@ -168,7 +168,7 @@ def fitted(*walls, curve, max_normal_stress, seating_stress, **given):
 def test_conditions_that_cannot_be_are_refused_before_a_joint_is_closed(
     door, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("jointclosure.joint.protocol.run_cycles", None)
+    monkeypatch.setattr("jointclosure.joint.cycling.run_cycles", None)
     curve, walls = tmp_path / "lab.csv", pair(24 if door == "close" else 6)
     curve.write_text(GOOD)
     doors = CLOSE | {"fit": functools.partial(fitted, curve=curve)}

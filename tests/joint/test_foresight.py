@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint import protocol, simulation
-from jointclosure.joint.protocol import closure_limit
+from jointclosure.joint import cycling, simulation
+from jointclosure.joint.cycling import closure_limit
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.joint.step_control import LARGEST_STEP
 from jointclosure.mechanics.strength import strength_factor
@@ -166,7 +166,7 @@ def test_walls_whose_peaks_must_all_be_crushed_are_refused_before_the_first_step
     """Elastically the highest cell alone carries the stress; at its strength it takes many."""
     scale = 2.0 / float(np.ptp(np.add(*pair(CELLS, 1))))
     relief = [scale * wall for wall in pair(CELLS, 1)]
-    began = patch.object(protocol, "run_cycles", side_effect=AssertionError("a step was taken"))
+    began = patch.object(cycling, "run_cycles", side_effect=AssertionError("a step was taken"))
     with began, pytest.raises(jc.InputError, match=r"a closure of .* m, without") as refused:
         closed(relief, most_steps=500, **bounds)
     foreseen = float(str(refused.value).split("a closure of ")[1].split(" m")[0])
@@ -210,13 +210,13 @@ def test_a_minimum_that_a_maximum_beside_it_hardly_exceeds_is_refused(history):
 
 def test_a_cycle_whose_loading_breakage_jumps_over_at_once_has_a_closure_of_zero():
     """The last state below the maximum is then the one at its start."""
-    load, loads = protocol._load, []
+    load, loads = cycling._load, []
 
     def load_first_only(*arguments):
         loads.append(arguments)
         return load(*arguments) if len(loads) == 1 else None
 
-    with patch.object(protocol, "_load", load_first_only):
+    with patch.object(cycling, "_load", load_first_only):
         joint = closed(stress=2e6, cycles=2, replay=False)
     assert len(loads) == 2
     assert joint.max_closure.values[0] > 0.0

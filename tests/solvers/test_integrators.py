@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint import protocol
+from jointclosure.joint import cycling
 from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.cycle_results import net_responses
+from jointclosure.joint.cycling import run_cycles
 from jointclosure.joint.history import history_of
-from jointclosure.joint.protocol import run_cycles
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.joint.step_control import LARGEST_STEP, StepControl, must_repeat
 from jointclosure.solvers import fast
@@ -37,7 +37,7 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(br
     stated = {"largest_radius": None, "breakage": breakage, "strength_bound": "none"}
     short = [
         seed for seed in range(30)
-        if int(closed(seed, **stated).status) & protocol.TARGET_JUMPED
+        if int(closed(seed, **stated).status) & cycling.TARGET_JUMPED
     ]  # fmt: skip
     assert len(short) <= (1 if breakage == "fixed_step" else 0)
 
@@ -74,7 +74,7 @@ def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
         again = [step.settled for step in history.steps if step[:2] == (2, "loading")]
         opened = [step.settled for step in history.steps if step[:2] == (1, "unloading")]
         broke = any(each.effort.breakage_steps for each in opened)  # the joint is not elastic then
-        if history.status & protocol.TARGET_JUMPED or broke:
+        if history.status & cycling.TARGET_JUMPED or broke:
             continue
         looked_at += 1
         assert former in [each.closure for each in again]
@@ -184,7 +184,7 @@ def test_steps_of_a_first_loading_are_shorter_before_a_stress_that_is_read():
 
 @pytest.fixture
 def small_joints_too(monkeypatch):
-    monkeypatch.setattr(protocol, "_FEWEST_CONTACTS", 0)
+    monkeypatch.setattr(cycling, "_FEWEST_CONTACTS", 0)
 
 
 def idle_joint(**stated):
@@ -205,9 +205,9 @@ def test_interaction_is_left_out_of_the_beginning_of_the_first_loading_alone(sma
 def test_a_step_that_is_repeated_counts_once_as_idle(small_joints_too, monkeypatch):
     """Resolved breakage repeats steps that were too long."""
     repeated = []
-    must_repeat = protocol.must_repeat
+    must_repeat = cycling.must_repeat
     monkeypatch.setattr(
-        protocol, "must_repeat", lambda *steps: repeated.append(must_repeat(*steps)) or repeated[-1]
+        cycling, "must_repeat", lambda *steps: repeated.append(must_repeat(*steps)) or repeated[-1]
     )
     joint = idle_joint(breakage="resolved", cycles=1, displacement_step=50e-6, breakage_step=5e-6)
     loaded = joint.normal_stress.values > 0.0
@@ -291,7 +291,7 @@ def test_the_interaction_that_is_left_out_bounds_what_it_would_be():
 def test_where_few_cells_touch_or_most_are_crushed_nothing_is_left_out(
     small_joints_too, monkeypatch, bound, value, idle
 ):
-    monkeypatch.setattr(protocol, bound, value)
+    monkeypatch.setattr(cycling, bound, value)
     assert bool(idle_joint().idle_steps) is idle
 
 

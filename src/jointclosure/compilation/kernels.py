@@ -217,7 +217,7 @@ def large_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _compile(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
-    """Name a kernel after the plain values that it closes over, and compile it."""
+    """Compile a kernel into the cache on disk, named after the flags that it closes over."""
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     flags = [(name, cell.cell_contents) for name, cell in cells]
     function.__qualname__ += "".join(

@@ -113,7 +113,7 @@ def _make(entry: Entry, key: str, folder: Path) -> None:
 
 
 def _described(entry: Entry, error: Exception) -> str:
-    """Describe a failure: its reason, and what repeats it."""
+    """Describe a failure: its reason, the notes of the error, and advice for lost processes."""
     notes = list(getattr(error, "__notes__", []))
     if isinstance(error, ProcessLostError):
         notes.append("systems that run out of memory kill processes: start again with CORES=1")

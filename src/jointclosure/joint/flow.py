@@ -12,7 +12,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.attributes import ATTRIBUTES as OF_HISTORY
-from jointclosure.joint.protocol import Step
+from jointclosure.joint.cycling import Step
 from jointclosure.joint.snapshots import fields_of
 from jointclosure.solvers.joint import Joint
 

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.inputs import LENGTHS, InputError, check_length, check_number, naming
-from jointclosure.joint import protocol
+from jointclosure.joint import cycling
 from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.conditions import (
     Changes,
@@ -53,7 +53,7 @@ def simulate(
     lower: ArrayLike,
     *,
     conditions: Conditions | None = None,
-    report: protocol.Report | None = None,
+    report: cycling.Report | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     **changes: Unpack[Changes],
@@ -145,7 +145,7 @@ def simulate_walls(
     upper: ArrayLike,
     lower: ArrayLike,
     conditions: Conditions,
-    report: protocol.Report | None = None,
+    report: cycling.Report | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
@@ -247,7 +247,7 @@ class Simulation:
             "(docs/hard_cases.md#near-the-strength)"
         ]
 
-    def run(self, report: protocol.Report | None = None) -> xr.Dataset:
+    def run(self, report: cycling.Report | None = None) -> xr.Dataset:
         """Return the history of the joint, as `simulate` does; ``report`` is as there.
 
         Raise `RuntimeError` the second time, because the walls of the joint are then crushed.
@@ -268,7 +268,7 @@ class Simulation:
             observers.append(Snapshots(self.snapshots, tolerance, self.datums))
         forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load]
         seating_force = cast(float, conditions.seating_stress) * area
-        history = protocol.run_cycles(joint, self.solver, forces, seating_force, report, observers)
+        history = cycling.run_cycles(joint, self.solver, forces, seating_force, report, observers)
         joint.upper += self.datums[0]
         joint.lower += self.datums[1]
         closed = _history_dataset(joint, history, area, conditions)
@@ -369,7 +369,7 @@ def equilibrium(
     lower = lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, pair, effects, choices, numerics)
     largest_stress = USUAL["max_normal_stress"][1]
-    most = protocol.closure_limit(joint, largest_stress * joint.area)
+    most = cycling.closure_limit(joint, largest_stress * joint.area)
     if not unusual_values and closure > most:
         raise InputError(
             f"closure = {closure!r} m: not usual of this joint; usual stresses close it by at "
@@ -377,7 +377,7 @@ def equilibrium(
         )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     overlap, displacement = fields_of(joint, closure)
-    status = np.int16(protocol.FLAG_OF_OUTCOME.get(run.outcome, 0))
+    status = np.int16(cycling.FLAG_OF_OUTCOME.get(run.outcome, 0))
     stress = run.total_force / joint.area
     if not unusual_values and stress > largest_stress:
         raise InputError(
@@ -393,7 +393,7 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: protocol.StepRecord, area: float, conditions: Conditions
+    joint: Joint, history: cycling.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
     load = conditions.load
     cycle, branch, settled, heights = zip(*history.steps, strict=True)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import xarray as xr
 
-from jointclosure.joint.protocol import Step
+from jointclosure.joint.cycling import Step
 from jointclosure.joint.status import LOADING
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint

@@ -192,7 +192,10 @@ def coarse_space(influence: Influence, cells, stiffness):
 
 @kernel
 def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
-    """Return the `Shares` of the contacts in their patches: W over its norm in the patch."""
+    """Return the `Shares` of the contacts in the patches of the preconditioner's coarse space.
+
+    A share is the weight W of a contact over the norm of all weights in its patch of cells.
+    """
     n = weight.size
     count = space.inverse.shape[0]
     contact = np.empty(n if count > 0 else 0, np.int64)

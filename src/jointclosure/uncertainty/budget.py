@@ -11,9 +11,9 @@ import xarray as xr
 from jointclosure.execution.workers import in_threads
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.cycle_results import largest_jump
+from jointclosure.joint.cycling import Report
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS
-from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE

@@ -21,6 +21,7 @@ from jointclosure.joint.conditions import (
     conditions_from,
     takes_scans,
 )
+from jointclosure.joint.cycling import Report
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import (
     LAB_LENGTH,
@@ -28,7 +29,6 @@ from jointclosure.joint.laws import (
     check_joint_lengths,
     laws_of_joint,
 )
-from jointclosure.joint.protocol import Report
 from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FAILURE

@@ -10,7 +10,7 @@ import xarray as xr
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.protocol import Report
+from jointclosure.joint.cycling import Report
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.uncertainty.sources import Source, sources_of
 from jointclosure.uncertainty.variants import Variant, variants_of

@@ -122,7 +122,7 @@ def _unit_question(low: float, high: float) -> str:
     )
 
 
-def _slopes(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _height_steps(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return differences of neighbours along y and x, on the cells that have both."""
     return np.diff(wall, axis=0)[:, 1:], np.diff(wall, axis=1)[1:]
 
@@ -130,7 +130,8 @@ def _slopes(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _slopes_of_rough(walls: dict[str, np.ndarray], spacing: float) -> dict[str, float]:
     """Return the rms slope of each wall that is rough."""
     return {
-        name: float(np.sqrt(np.mean([np.nanmean(part**2) for part in _slopes(wall)]))) / spacing
+        name: float(np.sqrt(np.mean([np.nanmean(part**2) for part in _height_steps(wall)])))
+        / spacing
         for name, wall in walls.items()
         if _is_rough(wall)
     }
@@ -160,7 +161,7 @@ def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
 
 def _slope_correlation(one: np.ndarray, other: np.ndarray) -> float:
     """Return the correlation of the slopes of two walls, 0 if one has no slopes."""
-    slopes = np.array([np.concatenate([s.ravel() for s in _slopes(w)]) for w in (one, other)])
+    slopes = np.array([np.concatenate([s.ravel() for s in _height_steps(w)]) for w in (one, other)])
     a, b = slopes[:, np.isfinite(slopes).all(axis=0)]
     scale = float(np.sqrt(np.sum(a**2) * np.sum(b**2)))
     return float(np.sum(a * b)) / scale if scale > 0.0 else 0.0

@@ -142,9 +142,10 @@ class RegisteredPair(NamedTuple):
 
     @property
     def finest(self) -> FineWalls:
-        """Walls on the finest grid, which is that of the joint unless the scans do not resolve it.
+        """Walls on the finest grid of the scans, to which the ``errors`` refer.
 
-        The ``errors`` refer to it.
+        It is the grid of the joint, unless the scans do not resolve it and the joint has a coarser
+        one.
         """
         return self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
 

@@ -170,9 +170,10 @@ def outcome(study: xr.Dataset, titles: Mapping[str, str]) -> dict:
 def assessed(
     known: Mapping[str, pd.DataFrame], configuration: Configuration, titles: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return ``state`` and numbers of the assessment of a study for its report.
+    """Return what a report shows of the assessment of a study.
 
-    The state is "off" (null in the configuration), "missing" (the tables were not made), "too long"
+    ``known`` are the tables of the study by name, ``titles`` those of its rocks by key. The
+    ``state`` is "off" (null in the configuration), "missing" (the tables were not made), "too long"
     (the fewest joints would take more than their share of the time) or "done".
     """
     if getattr(configuration, "assessment", None) is None:

@@ -124,7 +124,10 @@ def _has_two_levels(seen: _Neighbours) -> bool:
 
 
 def _check_upright(points: np.ndarray, scatter: float) -> None:
-    """Raise `InputError` if points (n, 3) are a sheet along another axis, and less so along z."""
+    """Raise `InputError` if points (n, 3) are a sheet with heights along another axis than z.
+
+    ``scatter`` is that of heights along z among neighbours (`_neighbours`).
+    """
     thickness, directions = np.linalg.eigh(np.cov(points.T))
     thin = thickness[0] < _THIN**2 * thickness[1] and scatter > _ROUGH
     normal = int(np.abs(directions[:, 0]).argmax())

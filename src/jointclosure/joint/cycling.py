@@ -1,7 +1,9 @@
-"""Load cycles of a joint under displacement control, with any solver of the registry.
+"""Load cycling of a joint under displacement control, with any solver of the registry.
 
-A loading is stepped up to its maximum stress and lands on it (`_land`), an unloading is
-stepped down to its minimum.
+A loading is stepped up to its maximum stress and lands on it (`_land`), an unloading is stepped
+down to its minimum. With resolved breakage the length of each step comes from a prediction of the
+force after it, before anything breaks (`StepControl.fitting`); then equilibrium and breakage of the
+step are solved (`_Run.settle`).
 """
 
 from collections.abc import Callable, Sequence
