@@ -650,7 +650,8 @@ def predictive_figure(
             axes.tick_params(axis="y", length=0)
             axes.set_ylim(-len(names) + 0.38, 0.62)
             _scale(axes)
-    figure.supxlabel("indifference interval, % of the rock's value", fontsize=10)
+    for axes in panels[-1]:
+        axes.set_xlabel("indifference interval,\n% of the rock's value")
     compared = bool(len(published.index.intersection(entries)))
     legend_below(figure, _handles(draws, compared), 1, fontsize=9.5)
     return figure
