@@ -709,7 +709,7 @@ def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
     covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
     errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
     joint = uncertain_joint(*small_joint, CONDITIONS.checked(), {}, errors)
-    assert len(joint.variants) == 30
+    assert len(joint.variants) == 25
     drawn = [v for v in joint.variants if v.source == ALL and v.step == 1]
     walls = [v.walls(*small_joint, errors)[0] for v in drawn]
     assert len({wall.tobytes() for wall in walls}) == len(walls)

@@ -118,7 +118,7 @@ def sources_of(
             other = coarser(numerics, 0.5) if resolved else numerics._replace(breakage="resolved")
             sources["breakage"] = Source((numerics, other))
     if errors and errors.covariance.any():
-        sources["registration"] = Source((0, 1, 2, 3), "random")
+        sources["registration"] = Source((0, 1, 2), "random")
     if errors and errors.noise[1] > 0.0:
         sources["noise"] = Source((0, 1, 2), "random")
     if errors and max(errors.waves) > 0.0:

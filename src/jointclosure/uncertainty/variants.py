@@ -1,7 +1,7 @@
 """Simulations of a joint with other values of what is not known of it, or chosen by the model.
 
 Each source of uncertainty is varied alone. Then those that the range is due to are varied together:
-16 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
+12 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
 the model without a stated range keep their usual values in these. Random numbers of a source do not
 depend on the other sources. With resolved breakage all variants have twice the tolerance, which
 shortens their time and hardly changes the effect of a source.
@@ -20,11 +20,10 @@ from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, TITLES, Source
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
-DRAWS = 16  # joints that are simulated with random values of all sources
-SEED = 3496
-"""Seed of their random values: of 4,000 one with small correlations (at most 0.24 between the
-sources that are always there, 0.35 with those of the rock; medians of all seeds 0.50, 0.56), so
-that sources are not confounded."""
+DRAWS = 12  # joints that are simulated with random values of all sources
+SEED = 1796
+"""Seed of their random values: of the first 4,000 that with the smallest correlation between any
+two of `VARIED` (0.27; median of all seeds 0.59), so that their effects are not confounded."""
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "as it is": lambda wall: wall,
     "last digits": lambda wall: wall * (1.0 + 1e-12),
