@@ -73,7 +73,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     record = json.loads((folder / "joint.json").read_text())
     assert record["found"] == joint.pair.report
     assert record["found"][: len(pair.report)] == pair.report
-    exported = export_remarks(joint.history, joint.curves)
+    exported = export_remarks(joint.history, 1)
     assert record["warnings"] == cautions([*pair.report, *exported])
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * joint.pair.mismatch.wavelength
     assert set(record["sha256"]) == {"upper", "lower"}

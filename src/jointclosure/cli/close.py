@@ -20,6 +20,7 @@ from jointclosure.cli.exports import export_files, export_remarks, exported_load
 from jointclosure.execution.progress import duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import rock_record
 from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import RESOLVED
@@ -42,7 +43,9 @@ def declare(command: argparse.ArgumentParser) -> None:
                        metavar=("KEY", "LOW", "HIGH"))  # fmt: skip
     options.add_keywords(known, close, "single", "workers")
     text = "folder of the results (default closed_joint)"
-    options.add_file(command, "--output", text, default="closed_joint")
+    files = command.add_argument_group("results")
+    options.add_file(files, "--output", text, default="closed_joint")
+    options.add_export_cycle(files)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -53,6 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
     stated["ranges"] = _ranges(arguments.range)
     asked = stated.pop("snapshots")
     stress = stated["max_normal_stress"]
+    load = Conditions(None, stated["rock"], stress, stated.get("cycles"))
+    options.check_export_cycle(arguments.export_cycle, load)
     kept = results.kept_stresses(asked, arguments.animation, stress)
     joint = close(**stated, snapshots=kept, rock_name=rock.title, progress=True)
     curves = joint.curves
@@ -62,7 +67,8 @@ def run(arguments: argparse.Namespace) -> int:
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     title = " on ".join(Path(scan).name for scan in scans.values())
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
-    files = _files(joint, scans, results.attributes(stated), title, answer)
+    about = results.attributes(stated)
+    files = _files(joint, scans, about, title, answer, arguments.export_cycle)
     wrote = results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""
@@ -90,9 +96,17 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
 
 
 def _files(
-    joint: ClosedJoint, scans: dict[str, str], about: dict[str, str], title: str, answer: dict
+    joint: ClosedJoint,
+    scans: dict[str, str],
+    about: dict[str, str],
+    title: str,
+    answer: dict,
+    cycle: int,
 ) -> dict[str, Any]:
-    """Return history, registration and figures of a joint by the names of their files."""
+    """Return history, registration and figures of a joint by the names of their files.
+
+    ``cycle`` is that of the constants for other programs.
+    """
     from jointclosure.plotting.joint import closure_curve, range_figure
     from jointclosure.plotting.snapshots import snapshot_figure
     from jointclosure.plotting.walls import pair_figure
@@ -103,7 +117,8 @@ def _files(
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}
     files: dict[str, Any] = {
         "joint.nc": history.assign_attrs(about),
-        "joint.json": _record(joint, title, answer) | {"sha256": digests, "provenance": about},
+        "joint.json": _record(joint, title, answer, cycle)
+        | {"sha256": digests, "provenance": about},
         "walls.png": pair_figure(joint.pair, title),
         "closure.png": closure_curve(history, title, budget and budget.ranges),
     }
@@ -111,11 +126,14 @@ def _files(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    return files | export_files(history, title, joint.curves, laws)
+    return files | export_files(history, title, joint.curves, laws, cycle)
 
 
-def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str, Any]:
-    """Return the results with units in their names; ``answer`` is as from `results.summary`."""
+def _record(joint: ClosedJoint, title: str, answer: dict[str, Any], cycle: int) -> dict[str, Any]:
+    """Return the results with units in their names; ``answer`` is as from `results.summary`.
+
+    ``cycle`` is that of the constants for other programs.
+    """
     pair = joint.pair
     history = joint.history
     budget = joint.budget
@@ -131,9 +149,7 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": results.status_text(history),
         "found": pair.report,
-        "warnings": cautions(
-            [*pair.report, *answer["remarks"], *export_remarks(history, joint.curves)]
-        ),
+        "warnings": cautions([*pair.report, *answer["remarks"], *export_remarks(history, cycle)]),
         "cells_y_x": list(pair.upper.shape),
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,
@@ -151,6 +167,6 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any]) -> dict[str,
         "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
-        "exports_of": exported_loading(history, joint.curves),
+        "exports_of": exported_loading(history, cycle),
         **answer,
     }

@@ -63,19 +63,21 @@ def export_files(
     title: str,
     curves: pd.DataFrame,
     laws: JointLaws,
+    cycle: int = 1,
 ) -> dict[str, Any]:
     """Return the files of a joint by name, and print which ones are not written.
 
-    ``curves`` is its `stress_table`, with bands if they are known. A joint that failed has none.
+    ``curves`` is its `stress_table`, with bands if they are known, ``cycle`` that of whose loading
+    the constants for other programs are. A joint that failed has no files.
     """
     if failed(joint):
         return {}
     from jointclosure.plotting.joint import engineering_figure
 
     curves = curves.copy()
-    for cycle, law in laws.by_cycle.items():
+    for number, law in laws.by_cycle.items():
         above = 1e6 * curves.normal_stress_MPa - history_of(joint).seating_stress
-        here = (curves.cycle == cycle) & (curves.branch == LOADING)
+        here = (curves.cycle == number) & (curves.branch == LOADING)
         curves.loc[here, "barton_bandis_mm"] = 1e3 * law.closure(above[here])
     tables = {
         "curves": curve_table(joint),
@@ -86,11 +88,14 @@ def export_files(
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
     print(f"- {_NET}")
-    for remark in export_remarks(joint, curves):
+    for remark in export_remarks(joint, cycle):
         print(f"- {remark}")
     of_laws = partial(barton_bandis_commands, laws=laws)
-    exports = itasca_tables, of_laws, porepy_files, geos_files, geos_barton_bandis, fracture_mesh
-    for export in exports:
+    of_cycle = [
+        partial(export, cycle=cycle)
+        for export in (of_laws, porepy_files, geos_files, geos_barton_bandis)
+    ]
+    for export in (itasca_tables, *of_cycle, fracture_mesh):
         try:
             files |= export(joint, curves)
         except InputError as error:  # the files of other programs are still written
@@ -98,27 +103,23 @@ def export_files(
     return files | {"engineering.png": engineering_figure(joint, title, curves, laws.by_cycle)}
 
 
-def exported_loading(joint: xr.Dataset, curves: pd.DataFrame) -> str:
-    """Describe the loading of constants for other programs; "" if there is none."""
-    cycle = _exported_cycle(joint, curves)
-    return _of_loading(joint, cycle) if cycle else ""
+def exported_loading(joint: xr.Dataset, cycle: int) -> str:
+    """Describe the loading of constants for other programs; "" for a joint that failed."""
+    return "" if failed(joint) else _of_loading(joint, cycle)
 
 
-def export_remarks(joint: xr.Dataset, curves: pd.DataFrame) -> list[str]:
-    """Say of which loading the constants for other programs are.
+def export_remarks(joint: xr.Dataset, cycle: int) -> list[str]:
+    """State of which loading the constants for other programs are.
 
     It is a warning if that loading is stiffer or softer, against the first, than measured ones.
     """
-    cycle = _exported_cycle(joint, curves)
-    if cycle is None:
+    if failed(joint):
         return []
     remark = f"{_EXPORTED} are of {_of_loading(joint, cycle)}"
+    later = joint.sizes["cycle"]
+    if cycle == 1 and later > 1:
+        remark += f"; --export-cycle {later} gives those of {_of_loading(joint, later)}"
     return [caution(remark) if _beyond_measured(joint, cycle) else remark]
-
-
-def _exported_cycle(joint: xr.Dataset, curves: pd.DataFrame) -> int | None:
-    """Return the cycle of `_last_from_seating`, None for a joint that failed."""
-    return None if failed(joint) else _last_from_seating(joint, curves)
 
 
 def _stiffness_ratio(joint: xr.Dataset, cycle: int) -> float:
@@ -141,25 +142,11 @@ def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
     return loading.dropna(subset=columns_of(curves, "closure_net_since_seating_mm"))
 
 
-def _last_from_seating(joint: xr.Dataset, curves: pd.DataFrame) -> int | None:
-    """Return the cycle of the last loading that begins at or below the seating stress, if any."""
-    history = history_of(joint)
-    known = _known_loadings(joint, curves).cycle.unique()
-    from_seating = [
-        cycle.number
-        for cycle in history.cycles
-        if cycle.loading.exists
-        and history.stress[cycle.loading.steps].min() <= history.seating_stress
-        and cycle.number in known
-    ]
-    return from_seating[-1] if from_seating else None
-
-
-def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> str:
-    """Describe the loading of input of other programs, and how to get the first one instead."""
+def _of_loading(joint: xr.Dataset, cycle: int) -> str:
+    """Describe the loading of input of other programs, and how stiff it is against the first."""
     if cycle == 1:
         return "cycle 1, the first loading"
-    about = f"cycle {cycle}, the last loading from seating"
+    about = f"cycle {cycle}"
     ratio = _stiffness_ratio(joint, cycle)
     if np.isfinite(ratio):
         about += f", which is {ratio:.3g} times as stiff as cycle 1 (chord stiffness)"
@@ -169,33 +156,36 @@ def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> st
             f", while later loadings of measured joints were {low:.2g} to {high:.2g} times as "
             "stiff as the first"
         )
-    if np.ndim(joint.attrs["max_normal_stress_Pa"]):  # a history, whose cycles are its maxima
-        option = f"its first maximum as the only stress, with {option},"
-    return f"{about}; {option} gives the first loading"
+    return about
 
 
-def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
-    """Return the rows of the last loading that begins at seating, by endings of files.
+def _loading(
+    joint: xr.Dataset, curves: pd.DataFrame, program: str, cycle: int
+) -> dict[str, pd.DataFrame]:
+    """Return the rows of the loading of a cycle, by endings of files.
 
     The ending "" is that of the joint, the others of `_OF_BAND` are those of ends of bands that are
-    known. Raise `InputError`, which names the ``program``, if there is no such loading.
+    known. Raise `InputError`, which names the ``program``, if the loading does not begin at or
+    below the seating stress.
     """
-    cycle = _last_from_seating(joint, curves)
-    if cycle is None:
-        raise InputError(
-            f"{program}: no loading begins at or below the seating stress, "
-            f"{history_of(joint).seating_stress:g} Pa"
-        )
+    history = history_of(joint)
+    loading = history.cycles[cycle - 1].loading
     known = _known_loadings(joint, curves)
     rows = known[known.cycle == cycle]
-    last = {}
+    begins = loading.exists and history.stress[loading.steps].min() <= history.seating_stress
+    if rows.empty or not begins:
+        raise InputError(
+            f"{program}: the loading of cycle {cycle} does not begin at or below the seating "
+            f"stress, {history.seating_stress:g} Pa"
+        )
+    of_ends = {}
     shown = [name for name in CURVES if name in rows]
     for ending in _OF_BAND:
         if f"{shown[0]}{ending}" in rows:
             of_end = {name: rows[f"{name}{ending}"] for name in shown}
             about = rows[["cycle", "normal_stress_MPa"]]
-            last[ending] = pd.DataFrame(of_end | dict(about))
-    return last
+            of_ends[ending] = pd.DataFrame(of_end | dict(about))
+    return of_ends
 
 
 _OF_BAND = {
@@ -246,8 +236,10 @@ class Hyperbola(NamedTuple):
     cycle: int
 
 
-def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, Hyperbola]:
-    """Return the hyperbolas of the last loading by endings of `_CLOSES`; print what has none.
+def _hyperbolas(
+    joint: xr.Dataset, curves: pd.DataFrame, program: str, cycle: int
+) -> dict[str, Hyperbola]:
+    """Return the hyperbolas of a loading by endings of `_CLOSES`; print what has none.
 
     They are net, because programs deform the rock themselves, and count from the seating stress,
     at which all have the aperture of the joint. That of the joint is the one of `fitted_laws`;
@@ -256,8 +248,7 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
     law = LAWS["hyperbolic"]
-    loadings = _loading(joint, curves, program)
-    cycle = int(loadings[""].cycle.iloc[0])
+    loadings = _loading(joint, curves, program, cycle)
     former = history.former_maxima[cycle - 1]
     if former:
         raise InputError(
@@ -314,14 +305,16 @@ def _difference_at(
     return cubic_over(known, more - more[0])(np.clip(stress, known[0], known[-1]))
 
 
-def porepy_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str, float]]:
-    """Return PorePy's Barton-Bandis constants [Pa/m, m, m].
+def porepy_files(
+    joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1
+) -> dict[str, dict[str, float]]:
+    """Return PorePy's Barton-Bandis constants [Pa/m, m, m] of the loading of a cycle.
 
     With a flow, print the ratio of the hydraulic to the mean aperture, of which the constants are.
     """
-    hyperbolas = _hyperbolas(joint, curves, "PorePy")
+    hyperbolas = _hyperbolas(joint, curves, "PorePy", cycle)
     if history_of(joint).has_flow:
-        top = _loading(joint, curves, "PorePy")[""].iloc[-1]
+        top = _loading(joint, curves, "PorePy", cycle)[""].iloc[-1]
         ratio = top.hydraulic_aperture_mm / top.mean_aperture_mm
         text = f"{ratio:.2g} times it" if np.isfinite(ratio) else "not known"
         text = "0 (blocked)" if ratio == 0.0 else text
@@ -340,30 +333,23 @@ def porepy_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str,
 
 
 _STIFFNESS_FUNCTION = """
-; tangent normal stiffness (Pa/m) at a normal stress (Pa, compression positive) from seating on
-fish define bb_stiffness(stress)
-    bb_stiffness = bb_kni * (1.0 + (stress - bb_seating) / (bb_kni * bb_vm))^2
-end
-"""
-
-
-_FIRST_STIFFNESS_FUNCTION = """
-; the same of the first loading
-fish define bb_stiffness_first_loading(stress)
-    local kni = bb_kni_first_loading
-    bb_stiffness_first_loading = kni * (1.0 + (stress - bb_seating) / (kni * bb_vm_first_loading))^2
+; tangent normal stiffness (Pa/m) at a normal stress (Pa, compression positive) from seating on,
+; by constants such as bb_kni and bb_vm
+fish define bb_stiffness(stress, kni, vm)
+    bb_stiffness = kni * (1.0 + (stress - bb_seating) / (kni * vm))^2
 end
 """
 
 
 def barton_bandis_commands(
-    joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws
+    joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws, cycle: int = 1
 ) -> dict[str, str]:
     """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
 
-    Those fitted to the last loading, and to the first, count from seating; those of the last one
-    are given for joints at the ends of the bands of closure too. Those of the empirical law, of JRC
-    and JCS at both lengths, are named so, and count from zero stress.
+    Those fitted to the loading of a cycle count from seating, and are given for joints at the ends
+    of the bands of closure too. Those fitted to the other loadings have the number of their cycle
+    in their names. Those of the empirical law, of JRC and JCS at both lengths, are named so, and
+    count from zero stress.
     """
     seating = float(joint.attrs["seating_stress_Pa"])
     values: dict[str, tuple[float, str]] = {}
@@ -383,13 +369,13 @@ def barton_bandis_commands(
                 "aperture aj (m) of the empirical law at zero stress",
             ),
         }
-    for cycle in laws.by_cycle:
-        law = laws.from_zero(cycle)
-        where = f"of the empirical law (JRC, JCS), cycle {cycle}, from zero stress"
-        values[f"bb_empirical_kni_cycle_{cycle}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
-        values[f"bb_empirical_vm_cycle_{cycle}"] = law.largest_closure, f"Vm (m) {where}"
+    for number in laws.by_cycle:
+        law = laws.from_zero(number)
+        where = f"of the empirical law (JRC, JCS), cycle {number}, from zero stress"
+        values[f"bb_empirical_kni_cycle_{number}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
+        values[f"bb_empirical_vm_cycle_{number}"] = law.largest_closure, f"Vm (m) {where}"
     try:
-        fitted = _hyperbolas(joint, curves, "UDEC, 3DEC")
+        fitted = _hyperbolas(joint, curves, "UDEC, 3DEC", cycle)
         function = _STIFFNESS_FUNCTION
     except InputError as error:
         if not values:
@@ -402,18 +388,17 @@ def barton_bandis_commands(
         where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {known.cycle}{end}"
         values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
-    first = loading_hyperbolas(joint, [1]).loc[1]
-    where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle 1, the first loading"
-    if fitted and np.isfinite(first).all():
-        values["bb_kni_first_loading"] = 1e9 * first.kni_MPa_per_mm, f"kni (Pa/m) {where}"
-        values["bb_vm_first_loading"] = 1e-3 * first.vm_mm, f"Vm (m) {where}"
-        function += _FIRST_STIFFNESS_FUNCTION
+    others = [number for number in joint.cycle.values if fitted and number != cycle]
+    for number, constants in loading_hyperbolas(joint, others).iterrows():
+        if np.isfinite(constants).all():
+            where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {number}"
+            values[f"bb_kni_cycle_{number}"] = 1e9 * constants.kni_MPa_per_mm, f"kni (Pa/m) {where}"
+            values[f"bb_vm_cycle_{number}"] = 1e-3 * constants.vm_mm, f"Vm (m) {where}"
     if fitted:
         values["bb_seating"] = seating, "seating stress (Pa)"
     lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
     head = ["; Barton-Bandis constants in SI, net of the deformation of the rock"]
     if fitted:
-        cycle = fitted[""].cycle
         head.append(
             "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
             f"{_of_loading(joint, cycle)}"
@@ -424,20 +409,19 @@ def barton_bandis_commands(
     return {"barton_bandis.dat": "\n".join([*head, *lines]) + "\n" + function}
 
 
-def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Return gaps and apertures [m], hydraulic or mean, of the last loading as GEOS reads them.
+def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> dict[str, str]:
+    """Return gaps and apertures [m], hydraulic or mean, of a loading as GEOS reads them.
 
     The function of GEOS names one of the tables; what is not written is printed, and a table of the
     upper bound.
     """
     if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    parts = _loading(joint, curves, "GEOS")
+    parts = _loading(joint, curves, "GEOS", cycle)
     closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
-        raise InputError(f"GEOS: the loading of cycle {parts[''].cycle.iloc[0]} {must}")
-    cycle = int(parts[""].cycle.iloc[0])
+        raise InputError(f"GEOS: the loading of cycle {cycle} {must}")
     columns = {"": "mean_aperture_mm"}  # by what follows "aperture" in the names of files
     if history_of(joint).has_flow:
         columns = {"": "hydraulic_aperture_mm", "_bound": "largest_hydraulic_mm"}
@@ -472,7 +456,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     if named != "geos_aperture.csv":
         print(f"- geos.xml: its table, {named}, is the {titles[named]}, not the aperture itself")
     title = titles[named].replace("upper bound", "UPPER BOUND")
-    of_loading = _of_loading(joint, cycle, "option cycles 1")  # no two hyphens in a comment
+    of_loading = _of_loading(joint, cycle)
     about = _about_ranges(curves, "_low", "_high", "_with_choices")
     ranges = "".join(f"\n     {line}." for line in about)
     form = _GEOS.format(aperture=title, loading=of_loading, file=named, ranges=ranges)
@@ -500,17 +484,16 @@ def _about_tangent(law: Hyperbola, loadings: pd.DataFrame, seating: float) -> st
     )
 
 
-def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Return GEOS' BartonBandis, fitted to apertures of the last loading, hydraulic or mean.
+def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> dict[str, str]:
+    """Return GEOS' BartonBandis, fitted to apertures of a loading, hydraulic or mean.
 
     Its aperture a0/(1 + 9 s/s_ref) falls with the stress s from a0 at zero stress to a tenth at the
     reference stress s_ref (`BartonBandis.hpp` of GEOS).
     """
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title = CURVES[column][0].removesuffix(" (mm)")
-    parts = _loading(joint, curves, "GEOS")
-    cycle = int(parts[""].cycle.iloc[0])
-    lines = [f"  <!-- of the loading of {_of_loading(joint, cycle, 'option cycles 1')} -->"]
+    parts = _loading(joint, curves, "GEOS", cycle)
+    lines = [f"  <!-- of the loading of {_of_loading(joint, cycle)} -->"]
     about = _about_ranges(curves, "_low", "_high", "_with_choices")
     lines += [f"  <!-- {line} -->" for line in about]
     for ending, rows in parts.items():
@@ -569,8 +552,8 @@ _TABLES = (
 def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Return commands of 3DEC 7 that define tables by cycle, branch and end of a band."""
     lines = [f"; {line}" for line in _about_ranges(curves, "-low", "-high", "-with-choices")]
-    last = _last_from_seating(joint, curves)
-    if last and _beyond_measured(joint, last):
+    last = joint.sizes["cycle"]
+    if _beyond_measured(joint, last):
         lines.append(
             f"; tables of all cycles follow; among them are those of {_of_loading(joint, last)}"
         )

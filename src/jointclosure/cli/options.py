@@ -245,6 +245,23 @@ def add_measured(
     add_conditions(command, usual, load=False)
 
 
+def add_export_cycle(group: argparse._ArgumentGroup) -> None:
+    """Declare the cycle of whose loading the constants for other programs are."""
+    what = (
+        "cycle of whose loading the constants for other programs and tables for GEOS are, counted "
+        "from 1 (default 1, the first loading)"
+    )
+    group.add_argument("--export-cycle", type=int, default=1, metavar="N", help=what)
+
+
+def check_export_cycle(cycle: int, conditions: Conditions) -> None:
+    """Raise `InputError` if the load has no such cycle."""
+    if not 1 <= cycle <= conditions.cycle_count:
+        raise InputError(
+            f"--export-cycle {cycle}: must be a cycle of the load, 1 to {conditions.cycle_count}"
+        )
+
+
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
     """Return the arguments that were given, of the named ones."""
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}

@@ -45,6 +45,7 @@ def declare(command: argparse.ArgumentParser) -> None:
     options.add_file(files, "--picture", "closure curve (png, pdf or svg)", *options.PICTURES)
     text = "curves, stiffness, fitted laws and input of other programs (docs/export.md)"
     options.add_file(files, "--tables", text)
+    options.add_export_cycle(files)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -60,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     about["jrc"] = jrc = stated.pop("jrc")
     conditions = conditions_from(None, stated, "simulate", "spacing")
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
+    options.check_export_cycle(arguments.export_cycle, conditions)
     check_named_stresses(arguments.at, conditions.checked(kept))
     lengths = options.given(arguments, ("joint_length", "lab_length"))
     check_joint_lengths(**lengths)
@@ -89,6 +91,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        exports = export_files(closed, title, curves, laws)
+        exports = export_files(closed, title, curves, laws, arguments.export_cycle)
         print(results.write_folder(arguments.tables, "simulate", exports))
     return int(results.failed(closed))
