@@ -31,7 +31,7 @@ from matplotlib.lines import Line2D
 
 from jointclosure.joint.history import history_of
 from jointclosure.mechanics.strength import strength_factor
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.folders import write
@@ -247,48 +247,70 @@ def table_of(histories: dict[str, list[PressedJoint]], stresses: list[Stresses])
 
 NOT_DRAWN = ("tamaas", "aspher")
 """Words in names of models that are not drawn, as their lines lie on another one."""
-_BRANCH_STYLES: dict[str, dict] = {"-": {}, "--": {"mfc": "white"}, ":": {"ms": 3.0}}
-"""Line style of each branch, with settings of its markers."""
+_BRANCH_STYLES: dict[str, dict] = {
+    "loading": {"ls": "-"},
+    "unloading": {"ls": "--", "mfc": "white"},
+    "reloading": {"ls": ":", "ms": 3.0},
+}
+"""Line style and markers of each branch."""
+
+
+def curve_table(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> pd.DataFrame:
+    """Tabulate mean closure and contact with standard errors, by model, branch and stress.
+
+    At zero stress closure is 0 on loading and the residual closure on the other branches. There is
+    no contact then.
+    """
+    tables = []
+    levels = [each.levels for each in stresses]
+    forces = np.append(0.0, 1e-6 * stresses[0].all[levels[0]])
+    for name, pressed in histories.items():
+        pairs = list(zip(pressed, levels, strict=True))
+        closure = 1e3 * np.array([each.closure[:, there] for each, there in pairs])
+        contact = 100.0 * np.array([each.contact[:, there] for each, there in pairs])
+        residual = 1e3 * np.array([each.residual for each, _ in pairs])
+        known = np.isfinite(closure[:, 0, 0])
+        for number, branch in enumerate(BRANCHES):
+            start = (0.0, 0.0) if number == 0 else _mean_and_error(residual[known])
+            columns = {"model": name, "branch": branch, "normal_stress_MPa": forces}
+            of_closure = _mean_and_error(closure[known, number])
+            of_contact = _mean_and_error(contact[known, number])
+            for column, values, least in zip(("", "_error"), of_closure, start, strict=True):
+                columns[f"closure_mm{column}"] = np.append(least, values)
+            for column, values in zip(("", "_error"), of_contact, strict=True):
+                columns[f"contact_percent{column}"] = np.append(np.nan, values)
+            tables.append(pd.DataFrame(columns))
+    return pd.concat(tables, ignore_index=True)
 
 
 @styled
-def continuum_figure(histories: dict[str, list[PressedJoint]], stresses: list[Stresses]) -> Figure:
+def continuum_figure(curves: pd.DataFrame) -> Figure:
     """Draw stress over closure, and contact over stress: means with standard errors as bars.
 
     Markers of unloading are hollow, those of reloading small, as its line may lie on that of
     unloading. Both reach to the residual closure.
     """
     figure, (upper, lower) = subplots(2, 1, figsize=(6.2, 10.5), layout="constrained")
-    shown = [name for name in histories if not any(word in name for word in NOT_DRAWN)]
-    levels = [each.levels for each in stresses]
-    stress = 1e-6 * stresses[0].all[levels[0]]
+    models = curves.model.unique()
+    shown = [name for name in models if not any(word in name for word in NOT_DRAWN)]
     for number, name in enumerate(shown):
         title = name.replace("contact_mechanics", "ContactMechanics").replace("sigma_c", "σc")
-        own = list(zip(histories[name], levels, strict=True))
-        closure = 1e3 * np.array([each.closure[:, there] for each, there in own])
-        contact = 100.0 * np.array([each.contact[:, there] for each, there in own])
-        known = np.isfinite(closure[:, 0, 0])
-        closure = closure[known]
-        contact = contact[known]
-        residual = 1e3 * np.array([each.residual for each, _ in own])[known]
         look: dict = {"color": f"C{number}", "marker": "osD^vP"[number % 6], "ms": 5.5}
-        for branch, (line, style) in enumerate(_BRANCH_STYLES.items()):
-            label = title if branch == 0 else None
-            mean, error = _mean_and_error(closure[:, branch])
-            share, of_share = _mean_and_error(contact[:, branch])
-            ends = (0.0, 0.0) if branch == 0 else _mean_and_error(residual)
-            if np.isfinite(ends[0]):  # contact without a force: first touch, or residual closure
-                mean = np.append(ends[0], mean)
-                error = np.append(ends[1], error)
-            forces = np.append(0.0, stress)[-mean.size :]
-            settings = look | style | {"ls": line, "label": label, "capsize": 2, "lw": 1.3}
-            upper.errorbar(mean, forces, xerr=error, **settings)
-            lower.errorbar(stress, share, yerr=of_share, **settings)
-    upper.set(xlabel="closure since first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
+        for branch, style in _BRANCH_STYLES.items():
+            rows = curves[(curves.model == name) & (curves.branch == branch)]
+            settings = {"label": title if branch == BRANCHES[0] else None, "capsize": 2, "lw": 1.3}
+            settings |= look | style
+            stress = rows.normal_stress_MPa
+            upper.errorbar(rows.closure_mm, stress, xerr=rows.closure_mm_error, **settings)
+            lower.errorbar(
+                stress, rows.contact_percent, yerr=rows.contact_percent_error, **settings
+            )
+    upper.set(xlabel="closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=-0.6)
     lower.set(xlabel="normal stress (MPa)", ylabel="cells in contact (%)", yscale="log")
+    decimal_ticks(lower.yaxis)
     handles = list(upper.get_legend_handles_labels()[0])
-    for name, (line, style) in zip(BRANCHES, _BRANCH_STYLES.items(), strict=True):
-        handles.append(Line2D([], [], color="0.3", ls=line, marker="o", label=name, **style))
+    for branch, style in _BRANCH_STYLES.items():
+        handles.append(Line2D([], [], **{"color": "0.3", "marker": "o", "label": branch} | style))
     figure.legend(handles=handles, loc="outside lower center", ncols=1)
     return figure
 
@@ -299,7 +321,7 @@ def _mean_and_error(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def main(realizations: int, stress: float, output: Path) -> None:
-    """Print the machine and the comparison; write tables/continuum.csv and the figure."""
+    """Print the machine and the comparison; write both tables and the figure."""
     settings = case_settings(realizations, peers.CELLS, stress, FULL)
     pairs = list(walls_of(settings))
     histories = {}
@@ -321,7 +343,9 @@ def main(realizations: int, stress: float, output: Path) -> None:
     for folder in ("tables", "figures"):
         (output / folder).mkdir(parents=True, exist_ok=True)
     write_csv(table, output / "tables/continuum.csv")
-    write(continuum_figure(histories, stresses), output / "figures/continuum.png")
+    curves = curve_table(histories, stresses)
+    write_csv(curves, output / "tables/continuum_curves.csv")
+    write(continuum_figure(curves), output / "figures/continuum.png")
 
 
 if __name__ == "__main__":

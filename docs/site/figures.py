@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -126,7 +125,7 @@ def contact() -> Figure:
         axes.text(-1.9, 1.6 * sign, f"substrate: $E_{place}, \\nu_{place}, \\delta_{place}$")
         axes.text(1.05, 0.6 * sign, f"asperity: $R_{{a{place}}}, E_{{a{place}}}$", va="center")
     axes.annotate("", (1, -1.05), (0, -1.05), arrowprops={"arrowstyle": "<->"})
-    axes.text(0.5, -1.3, "$r_b$", ha="center")
+    axes.text(0.5, -1.3, "$r$", ha="center")
     axes.text(-1.3, 0, "$\\delta_a$", va="center")
     axes.axis("off")
     return figure
@@ -158,64 +157,44 @@ def assessment() -> Figure:
 
 
 def price_of_accuracy() -> Figure:
-    """Draw errors of means and of single joints over the time of a joint, for two solvers.
+    """Draw errors of means and of single joints over the time of a joint.
 
-    These are the present solver, and that of the stored run ``price_before``. Bars of means are
-    standard errors. A vertical line is a setting, which is named above the first panel. Axes of
-    errors begin at 0.1 %: of a smaller mean only the bar is seen.
+    Bars of means are standard errors. A vertical line is a setting, which is named above the first
+    panel. Axes of errors begin at 0.1 %: of a smaller mean only the bar is seen.
     """
-    tables = {"": stored("price_of_accuracy/price"), "older": stored("price_before/price")}
-    times = [
-        time for table in tables.values() for time in _known(table).seconds / _known(table).joints
-    ]
-    figure, panels = plt.subplots(4, 1, figsize=(6.2, 11.5), sharex=True, layout="constrained")
+    table = stored("price_of_accuracy/price")
+    known = table[table["closure 1 rms %"] > 0.0]  # all but the reference
+    seconds = known.seconds / known.joints
+    figure, panels = plt.subplots(4, 1, figsize=(6.2, 11.0), sharex=True, layout="constrained")
     responses = ("closure 1", "closure 2", "stiffness 1", "stiffness 2")
     for axes, response in zip(panels, responses, strict=True):
-        for solver, table in tables.items():
-            known = _known(table)
-            seconds = known.seconds / known.joints
-            for time in seconds:
-                axes.axvline(time, color="0.85", ls=":" if solver else "-", lw=1.0, zorder=0)
-            look = {"ls": ":", "mfc": "white"} if solver else {"ls": "-"}
-            suffix = ", before" if solver else ""
-            error = known[f"{response} standard error %"]
-            mean = known[f"{response} mean %"].abs()
-            axes.errorbar(
-                seconds, mean, [np.minimum(error, mean - 1e-6), error],
-                color="C0", marker="o", capsize=3, label=f"mean{suffix}", **look,
-            )  # fmt: skip
-            single = known[f"{response} rms %"]
-            axes.plot(
-                seconds, single, color="C1", marker="s", label=f"single joint{suffix}", **look
-            )
-        axes.set(xscale="log", yscale="log", xlim=(0.8 * min(times), 1.25 * max(times)))
+        for time in seconds:
+            axes.axvline(time, color="0.85", lw=1.0, zorder=0)
+        error = known[f"{response} standard error %"]
+        mean = known[f"{response} mean %"].abs()
+        axes.errorbar(
+            seconds, mean, [np.minimum(error, mean - 1e-6), error],
+            color="C0", marker="o", capsize=3, label="mean",
+        )  # fmt: skip
+        axes.plot(
+            seconds, known[f"{response} rms %"], "--", color="C1", marker="s", label="single joint"
+        )
+        axes.set(xscale="log", yscale="log", xlim=(0.8 * seconds.min(), 1.25 * seconds.max()))
         axes.set_ylim(0.1, 50.0)
         axes.set_ylabel(f"net {response[:-2]}, cycle {response[-1]}\nsize of the error (%)")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
             axis.set_major_formatter("{x:g}")
             axis.set_minor_locator(NullLocator())
-    _setting_names(panels[0], tables)
+    for name, time in zip(known.setting, seconds, strict=True):
+        panels[0].annotate(
+            name, (time, 1.02), xycoords=("data", "axes fraction"),
+            rotation=90, ha="center", va="bottom", fontsize=9.0,
+        )  # fmt: skip
     panels[-1].set_xlabel("processor time of a joint (s)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
     return figure
-
-
-def _known(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the settings of a table whose errors are known: all but the reference."""
-    return table[table["closure 1 rms %"] > 0.0]
-
-
-def _setting_names(axes: Axes, tables: dict[str, pd.DataFrame]) -> None:
-    """Write the names of the settings above axes of their times."""
-    for solver, table in tables.items():
-        for row in _known(table).itertuples():
-            name = f"{row.setting} {solver and '(before)'}".strip()
-            axes.annotate(
-                name, (row.seconds / row.joints, 1.02), xycoords=("data", "axes fraction"),
-                rotation=90, ha="center", va="bottom", fontsize=9.0,
-            )  # fmt: skip
 
 
 def _walls(seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -237,9 +216,7 @@ def _band(axes: Axes, ensemble: xr.Dataset) -> None:
             width = 1.5 if cycle == 1 else 4.0  # the line of unloading lies on that of cycle 2
             style = {"color": colour, "lw": width, "label": f"cycle {cycle}, loading"}
         axes.plot(mean, stress, **style)
-    axes.set(
-        xlabel="net closure since 0.5 MPa of the same cycle (mm)", ylabel="normal stress (MPa)"
-    )
+    axes.set(xlabel="net closure since seating at 0.5 MPa (mm)", ylabel="normal stress (MPa)")
     axes.set(xlim=(-0.002, None), ylim=0)
     axes.legend(frameon=False)
 

@@ -125,7 +125,7 @@ def made(template: Path) -> str:
     others = [path for path in parts if path.parent.name not in STUDIES.values()]
     jinja.globals |= {
         "rows": rows, "groups": groups, "ends": ends, "pm": pm, "origin": origin,
-        "counted": counted,
+        "counted": counted, "inf": float("inf"),
         "use": import_module, "headings": HEADINGS, "quantities": QUANTITIES,
         "others": [str(path.relative_to(ROOT)) for path in others],
     }  # fmt: skip

@@ -56,10 +56,11 @@ def _letters() -> dict[str, Any]:
 def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     """Draw the error of each setting over the time of a joint, with the setting of the study.
 
-    Bars are 95 % intervals, marks of gross closure are hollow. The legend has the verdict on each
-    setting by these: whether its errors are shown to be within the request in all cycles, or one
-    beyond it. ``table`` is that of
-    `studies.assessment.report_tables.assessed_table`, ``within`` the request [1].
+    Bars are 95 % intervals, marks of gross closure are hollow. A line joins the marks of a setting,
+    which all have the time at its middle. The legend has the verdict on each setting by these:
+    whether its errors are shown to be within the request in all cycles, or one beyond it.
+    ``table`` is that of `studies.assessment.report_tables.assessed_table`, ``within`` the
+    request [1].
     """
     shown = pooled(table[table.kind == SETTING]).astype({"cycle": int})
     figure, axes = subplots(figsize=SIZE)
@@ -71,12 +72,14 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     marks = dict(zip(variants, _MARKS, strict=False))
     # net closures and, hollow, gross ones of each cycle beside each other
     drawn = list(itertools.product(cycles, _CLOSURES))
+    joined: dict[str, list[tuple[float, float]]] = {name: [] for name in variants}
     for row in shown.itertuples():
         for number, (cycle, name) in enumerate(drawn):
             if cycle != row.cycle:
                 continue
             at = row.seconds * _OFFSET ** (number - 0.5 * (len(drawn) - 1))
             value = getattr(row, name)
+            joined[row.variant].append((at, value))
             style: dict[str, Any] = {"color": f"C{cycle - 1}", "marker": marks[row.variant]}
             style |= {} if name == drawn[0][1] else {"mfc": "w"}
             style |= _PALE if _is_pale(row, name) else {}
@@ -84,6 +87,8 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
             if row.of_study:
                 ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
                 axes.plot([at], [value], "o", **ring)
+    for points in joined.values():
+        axes.plot(*zip(*sorted(points), strict=True), color="0.7", lw=0.8, zorder=1)
     reach = max(
         abs(getattr(row, name)) + _half_width(row, name)
         for row in shown.itertuples()
@@ -109,6 +114,7 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
         point_key("hollow: gross, else net", "o", color="0.4", mfc="w", ms=5),
         point_key("this study", "o", mfc="none", mec="k", mew=1.2, ms=9),
         point_key("95 % interval", "|", color="0.4", ms=8),
+        key("joins one setting", color="0.7", lw=0.8),
     ]
     if any(_is_pale(row, name) for row in shown.itertuples() for name in _CLOSURES):
         handles.append(point_key(fill(_NO_BAR, _LETTERS), "o", color="0.4", ms=5, **_PALE))

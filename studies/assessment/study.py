@@ -57,10 +57,10 @@ _FILLED: dict[str, dict[str, Any]] = {
     "not stable": {"fillstyle": "left"},
 }
 """Filling of the markers of joints, by their verdict."""
-_JOINT: dict[str, Any] = {"marker": "o", "ms": 4.5, "mew": 1.0, "alpha": 0.8}
+_JOINT: dict[str, Any] = {"ms": 4.5, "mew": 1.0, "alpha": 0.8}
 """Markers of joints."""
-_BESIDE = 1.1
-"""Ratio of the times at which markers of one setting are drawn, so that they do not overlap."""
+_BESIDE = 0.2
+"""Distance of the marks of one setting, relative to that of two settings."""
 _LINEAR_SHARE = 1.0
 """Percentage up to which axes of shares are linear."""
 
@@ -92,7 +92,7 @@ def condition(titles: Mapping[str, str], rock: str, jrc: float, stress_MPa: floa
 
 @styled
 def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw the error of each setting of the numerics over its time, for each condition.
+    """Draw the error of each setting of the numerics, above its time, for each condition.
 
     Errors are signed, against the finest setting, which is not drawn, with their 95 % intervals.
     Colours are cycles, shapes are settings, and hollow marks are gross closures.
@@ -111,32 +111,39 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
     axes.plot([], [], "|", color="0.5", ms=9, label=bar)
     axes.axhspan(0.0, 0.0, color="0.9", label=f"within the request of {percent:g} %")
     words = f"change of mean closure (%){scale}"
-    return _finished(axes, "processor time of a joint (s), logarithmic", words)
+    return _finished(axes, "processor time of a joint with this setting", words)
 
 
 def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw errors [%] over seconds, hollow for gross closure, and the request ``within`` [%]."""
+    """Draw errors [%] of settings beside each other, the fastest first, with the times as ticks.
+
+    Marks of gross closure are hollow. A band has the request ``within`` [%].
+    """
     axes.axhspan(-within, within, color="0.9", lw=0.0, zorder=0)
     axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
     variants = list(dict.fromkeys(settings.variant))
+    seconds = settings.groupby("variant").seconds.first().sort_values()
     groups = list(itertools.product(JUDGED, sorted(settings.cycle.unique())))
     for number, (quantity, cycle) in enumerate(groups):
         rows = settings[(settings.quantity == quantity) & (settings.cycle == cycle)]
-        apart = _BESIDE ** (number - 0.5 * (len(groups) - 1))
+        apart = _BESIDE * (number - 0.5 * (len(groups) - 1))
         for row in rows.itertuples():
             bars = [[row.value_percent - row.low_percent], [row.high_percent - row.value_percent]]
             style: dict[str, Any] = {"color": f"C{cycle - 1}", "ms": 4.5, "lw": 1.0}
             style |= {"marker": _SETTINGS[variants.index(row.variant)]}
             style |= {} if quantity == JUDGED[0] else {"mfc": "w"}
-            axes.errorbar([apart * row.seconds], [row.value_percent], bars, **style)
+            at = seconds.index.get_loc(row.variant) + apart
+            axes.errorbar([at], [row.value_percent], bars, **style)
+    for place in range(1, len(seconds)):
+        axes.axvline(place - 0.5, color="0.8", lw=0.8, zorder=1)
     for mark, name in zip(_SETTINGS, variants, strict=False):
         axes.plot([], [], mark, color="0.5", label=name)
     for quantity, cycle in groups:
         fill = None if quantity == JUDGED[0] else "w"
         name = f"{ASSESSED[quantity]}, cycle {cycle}"
         axes.plot([], [], "o", color=f"C{cycle - 1}", mfc=fill, label=name)
-    axes.set(xscale="log", xlim=(0.6 * settings.seconds.min(), 1.8 * settings.seconds.max()))
-    decimal_ticks(axes.xaxis)
+    axes.set_xlim(-0.5, len(seconds) - 0.5)
+    ticks_at(axes.xaxis, range(len(seconds)), [f"{value:.2g} s" for value in seconds])
 
 
 @styled
@@ -166,7 +173,7 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     """Draw features of joints in front of those of the hard cases, and the limits of easy ones.
 
     Each rock has a row of two panels, so that its joints are not hidden by those of another rock.
-    Colours are maximum stresses.
+    Colours and shapes are maximum stresses.
     """
     hardness = tables["hardness"]
     shares = ["spread", "unbreakable_share", "largest_jump"]
@@ -177,14 +184,17 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     )
     rocks = list(dict.fromkeys(joints.rock))
     verdicts = [name for name in _FILLED if (joints.verdict == name).any()]
-    colour = {stress: f"C{i}" for i, stress in enumerate(sorted(joints.stress_MPa.unique()))}
+    marks = {
+        stress: _JOINT | {"color": f"C{i}", "marker": "osD^vP"[i % 6]}
+        for i, stress in enumerate(sorted(joints.stress_MPa.unique()))
+    }
     _, grid = panel_grid(len(rocks), 2, (3.3, 2.3), (0.2, 1.2), sharex="col", sharey="col")
     for (left, right), rock in zip(grid, rocks, strict=True):
         of_rock = joints[joints.rock == rock]
         for axes, x, y in ((left, *shares[:2]), (right, "contacts_at_max", shares[2])):
             axes.plot(cases[x], cases[y], "o", color="0.82", ms=3.0, zorder=1)
             for (verdict, stress), part in of_rock.groupby(["verdict", "stress_MPa"]):
-                style = _JOINT | _FILLED[verdict] | {"color": colour[stress]}
+                style = marks[stress] | _FILLED[verdict]
                 axes.plot(part[x], part[y], ls="", zorder=3, **style)
             axes.set_title(figure_text(settings["titles"][rock]))
             axes.set_xscale("log")
@@ -205,10 +215,10 @@ def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Fig
     left.set_xlabel("scatter of net closure over copies\nthat should give equal results (%)")
     right.set_xlabel("cells in contact")
     handles: list[Artist] = [
-        *(point_key(f"{stress:g} MPa", **_JOINT, color=colour[stress]) for stress in colour),
+        *(point_key(f"{stress:g} MPa", **look) for stress, look in marks.items()),
         *(point_key(name, **_JOINT | _FILLED[name], color="0.3") for name in verdicts),
         point_key("hard cases", color="0.82", ms=3.0),
-        key("limit of easy joints", color="0.5", ls="--"),
+        key("largest value of easy joints", color="0.5", ls="--"),
     ]
     figure = left.get_figure(root=True)
     assert figure is not None

@@ -123,7 +123,7 @@ def test_each_rock_has_panels_with_its_joints_marked_by_verdict(two_rocks, table
         assert {line.get_markerfacecolor() == "none" for line in drawn} == {hollow}
 
 
-def test_joints_have_the_colour_of_their_stress(tables):
+def test_joints_have_the_colour_and_the_shape_of_their_stress(tables):
     hardness = tables["hardness"].assign(verdict="easy")
     figure = draw_assessment_hardness(
         {"hardness": hardness}, {"within": 0.05, "titles": {"slate": "A slate"}}
@@ -134,17 +134,26 @@ def test_joints_have_the_colour_of_their_stress(tables):
     colours = [one.get_color() for one in figure.axes[0].lines[1:3]]
     assert colours == [handles[f"{stress:g} MPa"].get_color() for stress in stresses]
     assert colours[0] != colours[1]
+    shapes = [one.get_marker() for one in figure.axes[0].lines[1:3]]
+    assert shapes == [handles[f"{stress:g} MPa"].get_marker() for stress in stresses]
+    assert shapes[0] != shapes[1]
 
 
-def test_marks_of_one_setting_lie_beside_each_other(tables):
+def test_marks_of_one_setting_lie_beside_each_other_above_its_time(tables):
     figure = draw_assessment_price(tables, {"within": 0.05, "titles": {"slate": "Slate"}})
     figure.draw_without_rendering()
-    for axes in figure.axes:
+    table = tables["assessment"]
+    settings = table[(table.verdict == "") & (table.variant != table.reference)]
+    for axes, (_, part) in zip(figure.axes, settings.groupby("stress_MPa"), strict=True):
+        seconds = sorted(part.groupby("variant").seconds.first())
+        labels = [text.get_text() for text in axes.get_xticklabels()]
+        assert labels == [f"{value:.2g} s" for value in seconds]
         marks = [one.lines[0] for one in axes.containers]
         for shape in {one.get_marker() for one in marks}:
-            times = [one.get_xdata()[0] for one in marks if one.get_marker() == shape]
-            assert len(times) == 4
-            at = np.sort(axes.transData.transform([(time, 0.0) for time in times])[:, 0])
+            places = [one.get_xdata()[0] for one in marks if one.get_marker() == shape]
+            assert len(places) == 4
+            assert len({round(place) for place in places}) == 1
+            at = np.sort(axes.transData.transform([(place, 0.0) for place in places])[:, 0])
             assert np.diff(at).min() > 4.5 * figure.dpi / 72.0  # the size of a mark
 
 

@@ -122,7 +122,7 @@ def index_figure(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     ]
     keys.append(point_key("total index", color="0.3"))
     keys.append(point_key("first-order index", color="0.3", markerfacecolor="white"))
-    legend_below(figure, keys)
+    legend_below(figure, keys, columns=3)
     return figure
 
 

@@ -285,7 +285,7 @@ def _draw_rock(
         closure_of = "gross closure since the start of the cycle (mm)"
     else:
         fitted = draw_measured_curve(axes, measured, name, base, seating_stress, cycles)
-        closure_of = f"net closure since {1e-6 * seating_stress:g} MPa (mm)"
+        closure_of = f"net closure since seating at {1e-6 * seating_stress:g} MPa (mm)"
     axes.set(ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress), ylabel="normal stress (MPa)")
     axes.set_xlabel(closure_of)
     assumed = ""

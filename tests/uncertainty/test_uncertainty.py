@@ -133,7 +133,7 @@ def test_bands_with_other_choices_are_drawn_and_named(budget):
     figure = engineering_figure(budget_joint(), "a joint", budget.curves)
     (legend,) = figure.legends
     names = [text.get_text() for text in legend.get_texts()]
-    assert "cycle 1, other choices of the model too (dashed edge)" in names
+    assert "cycle 1, with other choices of the model" in names
 
 
 def test_total_indices_are_those_of_a_product():

@@ -39,13 +39,19 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
 
 
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw the largest end of intervals [%] over seconds by cycle, with the request [%]."""
+    """Draw the largest end of intervals [%] over seconds by cycle, with the request [%].
+
+    The marks of a setting, one for each cycle, are joined by a line.
+    """
     colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
     names = list(dict.fromkeys(settings.variant))
-    for (name, cycle), rows in settings.groupby(["variant", "cycle"]):
-        error = max(-rows.low_percent.min(), rows.high_percent.max())
-        mark = "osD^v"[names.index(name)]
-        axes.plot(rows.seconds.iloc[0], error, mark, color=colours[cycle])
+    for name, rows in settings.groupby("variant"):
+        of_cycles = rows.groupby("cycle")
+        errors = np.maximum(-of_cycles.low_percent.min(), of_cycles.high_percent.max())
+        seconds = [rows.seconds.iloc[0]] * errors.size
+        axes.plot(seconds, errors, color="0.7", lw=1.0, zorder=1)
+        for cycle, error in errors.items():
+            axes.plot(seconds[0], error, "osD^v"[names.index(name)], color=colours[cycle])
     for mark, name in zip("osD^v", names, strict=False):
         axes.plot([], [], mark, color="0.5", label=name)
     for cycle, colour in colours.items():

@@ -9,7 +9,7 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -32,8 +32,10 @@ _OF_CYCLES = ["Barton-Bandis", _BOUND]
 """Curves that have the colours of their cycles, and one entry of a neutral colour in a legend."""
 _SEEN = ["normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"]
 """Columns whose branches are compared."""
-_CHOICES = "other choices of the model too (dashed edge)"
+_CHOICES = "with other choices of the model"
 """End of the names of wider bands."""
+_KINDS = (*BRANCH_LINES, "9 in 10 joints", _CHOICES)
+"""Curves and bands of a cycle, in the order of a column of the legend."""
 LOGARITHMIC = 3.0
 """Ratio of the largest to the smallest result of a figure from which its axis is logarithmic."""
 AS_REGISTERED = "as registered, usual values"
@@ -149,10 +151,10 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
                 zorder=above(cycle.number, branch.name),
                 label=f"cycle {cycle.number}, {branch.name}{_hidden(history, of, branch)}",
             )
-    words = {"touch": "first touch", "cycle": "the cycle's start"}
-    words["seating"] = f"{1e-6 * seating:g} MPa"
+    words = {"touch": "from first touch", "cycle": "from the cycle's start"}
+    words["seating"] = f"since seating at {1e-6 * seating:g} MPa"
     kind = "net" if of == NET else "gross"
-    axes.set(xlabel=f"{kind} closure from {words[since]} (mm)")
+    axes.set(xlabel=f"{kind} closure {words[since]} (mm)")
     axes.set(ylabel="normal stress (MPa)", ylim=0.0)
     if history.begun <= 5:
         axes.legend(frameon=False)
@@ -190,14 +192,18 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
         label = _branch_label(curves, cycle, branch)
         if has_bands(curves) and branch == LOADING:
             low, high = (rows[f"{name}_{end}"] for end in ("low", "high"))
-            band = f"cycle {cycle}, 9 in 10 joints"
             wider = wider_columns_of(curves, name)
-            if wider:
+            if wider:  # thin lines along it, not across: dashes are unloadings
                 outer = [rows[end] for end in wider]
-                pale, edge = (to_rgba(colour, alpha) for alpha in (0.06, 0.9))
-                edges: dict = {"facecolor": pale, "edgecolor": edge, "ls": "--", "lw": 0.8}
-                fill(stress, *outer, zorder=0.5, label=f"cycle {cycle}, {_CHOICES}", **edges)
-            fill(stress, low, high, color=colour, alpha=0.35, lw=0.0, label=band)
+                pale: dict = {"color": colour, "alpha": 0.1, "lw": 0.0, "zorder": 0.5}
+                fill(stress, *outer, label=f"cycle {cycle}, {_CHOICES}", **pale)
+                edges = [
+                    np.column_stack((end, stress) if across else (stress, end)) for end in outer
+                ]
+                thin = LineCollection(edges, colors=colour, linewidths=0.6, zorder=0.6)
+                axes.add_collection(thin, autolim=False)
+            band = f"cycle {cycle}, 9 in 10 joints"
+            fill(stress, low, high, color=colour, alpha=0.4, lw=0.0, label=band)
         at = (rows[name], stress) if across else (stress, rows[name])
         line = {"color": colour, "label": label, "zorder": order, "lw": width}
         axes.plot(*at, BRANCH_LINES[branch], **line)
@@ -223,9 +229,7 @@ def engineering_figure(
     """Draw closure and its laws, tangent stiffness, aperture and flow, with bands if known."""
     curves = stress_table(joint) if curves is None else curves
     has_flow = history_of(joint).has_flow
-    shape, size = ((2, 2), (10.4, 9.2)) if has_flow else ((1, 3), (13.5, 5.4))
-    if has_bands(curves):
-        title += "; bands: 9 in 10 joints compatible with the scans"
+    shape, size = ((2, 2), (10.4, 9.2)) if has_flow else ((1, 3), (13.5, 6.0))
     figure, panels = subplots(*shape, figsize=size, title=title)
     panels = panels.ravel()
     _draw_closure(panels[0], joint, curves, laws)
@@ -248,11 +252,50 @@ def engineering_figure(
         if isinstance(drawn, Line2D):
             style, width = drawn.get_linestyle(), drawn.get_linewidth()
             named[label] = Line2D([], [], color="0.25", ls=style, lw=width)
-    figure.legend(
-        named.values(), named, loc="outside lower center", ncols=shape[1] + 1, frameon=False,
-        fontsize=9,
-    )  # fmt: skip
+    _legend_of_cycles(figure, named, int(curves.cycle.max()), _about_bands(curves))
     return figure
+
+
+def _about_bands(curves: pd.DataFrame) -> str:
+    """Return what the bands of curves contain, as title of a legend; empty without bands."""
+    if not has_bands(curves):
+        return ""
+    about = "dark bands: 9 in 10 joints compatible with the scans and the stated properties"
+    wider = bool(wider_columns_of(curves, "mean_aperture_mm"))
+    return about + (f"\npale bands: the same {_CHOICES}" if wider else "")
+
+
+def _legend_of_cycles(figure: Figure, named: Mapping[str, Artist], cycles: int, title: str) -> None:
+    """Put a legend below all panels, with a column for each cycle and one for everything else.
+
+    ``named`` are its entries by label. Four cycles and more have as many columns as fit.
+    """
+    of_cycle: dict[int, list[str]] = {number: [] for number in range(1, cycles + 1)}
+    others: list[str] = []
+    for label in named:
+        number = next((one for one in of_cycle if label.startswith(f"cycle {one}, ")), None)
+        (others if number is None else of_cycle[number]).append(label)
+    for column in of_cycle.values():
+        column.sort(key=_kind)
+    columns = [*of_cycle.values(), *([others] if others else [])]
+    rows = max(map(len, columns))
+    blank = Line2D([], [], ls="")
+    entries = [
+        (named[label], label) if label else (blank, "")
+        for column in columns
+        for label in (*column, *[""] * (rows - len(column) if cycles < 4 else 0))
+    ]
+    handles, labels = zip(*entries, strict=True)
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=min(len(columns), 4), frameon=False,
+        fontsize=9, title=title or None, title_fontsize=9,
+    )  # fmt: skip
+
+
+def _kind(label: str) -> int:
+    """Return the place of an entry among those of its cycle."""
+    words = label.partition(", ")[2].removesuffix(_SAME_TEXT)
+    return _KINDS.index(words)
 
 
 def _draw_closure(
@@ -280,8 +323,8 @@ def _draw_closure(
             style = {"label": None if number else "Barton-Bandis", "lw": 1.0}
             axes.plot(empirical, stress, "-.", color=f"C{cycle - 1}", **style)
     axes.autoscale(axis="x")  # all curves and laws are inside
-    axes.set(title="loading", ylim=0.0, ylabel="normal stress (MPa)", xlim=0.0)
-    axes.set(xlabel=f"net closure since {seating:g} MPa (mm)")
+    axes.set(title="closure on loading", ylim=0.0, ylabel="normal stress (MPa)", xlim=0.0)
+    axes.set(xlabel=f"net closure since seating at {seating:g} MPa (mm)")
 
 
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
