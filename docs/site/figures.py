@@ -159,12 +159,14 @@ def assessment() -> Figure:
 def price_of_accuracy() -> Figure:
     """Draw errors of means and of single joints over the time of a joint.
 
-    Bars of means are standard errors. A vertical line is a setting, which is named above the first
+    The error of a single joint is that of an older version too. Bars of means are standard errors.
+    A vertical line is a setting, which is named above the first
     panel. Axes of errors begin at 0.1 %: of a smaller mean only the bar is seen.
     """
-    table = stored("price_of_accuracy/price")
-    known = table[table["closure 1 rms %"] > 0.0]  # all but the reference
-    seconds = known.seconds / known.joints
+    tables = (stored(f"{name}/price") for name in ("price_of_accuracy", "price_before"))
+    # all settings but the reference
+    known, older = (table[table["closure 1 rms %"] > 0.0] for table in tables)
+    seconds, seconds_before = (table.seconds / table.joints for table in (known, older))
     figure, panels = plt.subplots(4, 1, figsize=(6.2, 11.0), sharex=True, layout="constrained")
     responses = ("closure 1", "closure 2", "stiffness 1", "stiffness 2")
     for axes, response in zip(panels, responses, strict=True):
@@ -179,7 +181,12 @@ def price_of_accuracy() -> Figure:
         axes.plot(
             seconds, known[f"{response} rms %"], "--", color="C1", marker="s", label="single joint"
         )
-        axes.set(xscale="log", yscale="log", xlim=(0.8 * seconds.min(), 1.25 * seconds.max()))
+        axes.plot(
+            seconds_before, older[f"{response} rms %"], ":", color="0.6", marker="^",
+            label="single joint, older version", zorder=1,
+        )  # fmt: skip
+        longest = max(seconds.max(), seconds_before.max())
+        axes.set(xscale="log", yscale="log", xlim=(0.8 * seconds.min(), 1.25 * longest))
         axes.set_ylim(0.1, 50.0)
         axes.set_ylabel(f"net {response[:-2]}, cycle {response[-1]}\nsize of the error (%)")
         for axis in (axes.xaxis, axes.yaxis):
@@ -193,7 +200,7 @@ def price_of_accuracy() -> Figure:
         )  # fmt: skip
     panels[-1].set_xlabel("processor time of a joint (s)")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 
