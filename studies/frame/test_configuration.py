@@ -5,7 +5,7 @@ import inspect
 import math
 import re
 import shutil
-from contextlib import nullcontext
+from contextlib import chdir, nullcontext
 from pathlib import Path
 
 import pandas as pd
@@ -22,7 +22,7 @@ from studies.frame.experiments import experiment_named
 from studies.frame.settings import seeds_of
 from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
-from studies.frame.yaml_files import ConfigurationError, read_plain
+from studies.frame.yaml_files import ConfigurationError, read_plain, with_places
 from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny
 
@@ -313,6 +313,31 @@ def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
     path.write_text("a: &some {x: 1, y: 2.5e-3}\nb: *some\nc: {<<: *some, y: -3}\n")
     few = {"x": 1, "y": 2.5e-3}
     assert read_plain(path) == {"a": few, "b": few, "c": {"x": 1, "y": -3}}
+
+
+PLACED = [
+    ("grid.cells_x = 2: must", "  mine.yaml, line 2: grid.cells_x = 2: must"),
+    ("grid.cell_y = 2: unknown", "  mine.yaml, line 2: grid.cell_y = 2: unknown"),
+    ("seating_stress_MPa = 9: must", "  usual.yaml, line 1: seating_stress_MPa = 9: must"),
+    ("rocks.tuff: lacks jrc", "  mine.yaml, line 4: rocks.tuff: lacks jrc"),
+    ("largest_radius = 0.1 m: must", "  mine.yaml, line 5: largest_radius = 0.1 m: must"),
+    ("jrc = 60: holds", "  jrc = 60: holds"),  # of which rock is not known
+    ("a text without a key", "  a text without a key"),
+]
+
+
+@pytest.mark.parametrize(("line", "placed"), PLACED)
+def test_a_message_names_file_and_line_of_the_key_with_which_it_begins(tmp_path, line, placed):
+    mine = (
+        "study: {name: mine}\ngrid: {cells_x: 2}\nrocks:\n  tuff: {jrc: 60}\n"
+        "choices: {largest_radius_mm: 100}\n"
+    )
+    usual = "seating_stress_MPa: 9\ngrid: {cells_x: 50}\nrocks: {slate: {jrc: 4}}\n"
+    with chdir(tmp_path):
+        Path("mine.yaml").write_text(mine)
+        Path("usual.yaml").write_text(usual)
+        message = with_places(f"configuration:\n  {line}", ["usual.yaml", "mine.yaml"])
+    assert message == f"configuration:\n{placed}"
 
 
 # What holds of every experiment: bad designs are refused by key, and jobs change no bit
