@@ -11,7 +11,7 @@ from pydantic import PrivateAttr, create_model, model_validator
 
 from jointclosure import parameters
 from jointclosure.assessment.assess import FINEST
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.jrc import relation_of
@@ -72,7 +72,7 @@ class Configuration(keys.Section):
         """Keep the study's rocks in its order, and fill in values that follow from other keys."""
         if unknown := [name for name in self.study.rocks if name not in self.rocks]:
             allowed = f"must be one of rocks ({', '.join(self.rocks)})"
-            meant = {name: keys.did_you_mean(name, self.rocks) for name in unknown}
+            meant = {name: did_you_mean(name, self.rocks) for name in unknown}
             lines = (f"study.rocks = {name!r}: {allowed}{word}" for name, word in meant.items())
             raise ValueError("\n".join(lines))
         usual = self.effects.acting
