@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from studies.frame.configuration import Configuration, StudySection
+from studies.frame.configuration import Configuration, StudySection, stress_problems
 from studies.frame.keys import Jrc, Positive, Several, Share, entry
 
 
@@ -36,10 +36,15 @@ class AssessmentSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate an error message for each stress that is not above the seating stress."""
+        """Generate a line for each stress below the seating stress or beyond a rock's strength."""
         for stress in self.stress:
             if stress <= configuration.seating_stress:
                 yield (
                     f"assessment.stress_MPa = {1e-6 * stress:g}: must be more than "
                     f"seating_stress_MPa ({1e-6 * configuration.seating_stress:g})"
+                )
+            for name, rock in configuration.rocks.items():
+                of_rock = f"the strength of rocks.{name}"
+                yield from stress_problems(
+                    "assessment.stress_MPa", stress, rock, configuration, of_rock
                 )

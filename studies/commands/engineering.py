@@ -13,7 +13,7 @@ import xarray as xr
 
 from jointclosure.cli.options import add_file, writable
 from jointclosure.cli.results import FIGURES
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.history import KINDS
 from jointclosure.joint.interpolation import rising_slopes
 from jointclosure.joint.status import LOADING
@@ -43,7 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
         asked = arguments.case or study.case.values[study.parameter.values == "base"].tolist()
         for name in asked:
             if name not in known:
-                raise InputError(f"--case {name}: must be one of {', '.join(known)}")
+                meant = did_you_mean(name, known)
+                raise InputError(f"--case {name}: must be one of {', '.join(known)}{meant}")
         writable((), folder).mkdir(exist_ok=True)
         for name in asked:
             table = curves_with_quantiles(study.sel(case=name).load())

@@ -11,7 +11,7 @@ from pydantic import PrivateAttr, create_model, model_validator
 
 from jointclosure import parameters
 from jointclosure.assessment.assess import FINEST
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.jrc import relation_of
@@ -72,7 +72,7 @@ class Configuration(keys.Section):
         """Keep the study's rocks in its order, and fill in values that follow from other keys."""
         if unknown := [name for name in self.study.rocks if name not in self.rocks]:
             allowed = f"must be one of rocks ({', '.join(self.rocks)})"
-            meant = {name: keys.did_you_mean(name, self.rocks) for name in unknown}
+            meant = {name: did_you_mean(name, self.rocks) for name in unknown}
             lines = (f"study.rocks = {name!r}: {allowed}{word}" for name, word in meant.items())
             raise ValueError("\n".join(lines))
         usual = self.effects.acting
@@ -275,9 +275,56 @@ def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterato
                 f"{where}: jrc = {jrc:g}: {whole.surface.jrc_relation} holds from "
                 f"{relation.smallest_jrc:g} to {relation.largest_jrc:g}"
             )
+    yield from _beyond_strength(where, rock, whole)
     for name, section in whole.study_sections.items() if rock.walls else ():
         if not section.of_scans:
             yield f"{name}: not with {where}.walls; it draws walls of given JRC"
+
+
+def _beyond_strength(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:
+    """Generate a line for each value of a rock with which no walls carry its maximum stress."""
+    key = f"{where}.max_normal_stress_MPa"
+    cases = {"": rock.intact}
+    for name in rock.levels.keys() & parameters.OF_ROCK.keys():
+        for level in getattr(rock.other_levels, name):
+            value = in_unit(level, parameters.OF_ROCK[name].unit)
+            level_key = f"{where}.levels.{parameters.key_of(name)} = {value:g}"
+            cases[level_key] = rock.intact._replace(**{name: level})
+    for level_key, intact in cases.items():
+        changed = rock._replace(**intact._asdict())
+        yield from stress_problems(key, rock.max_normal_stress, changed, whole, level_key)
+
+
+def stress_problems(
+    key: str,
+    stress: float,
+    rock: StudyRock,
+    whole: Configuration,
+    changed: str = "",
+    more: Iterable[parameters.Numerics] = (),
+) -> Iterator[str]:
+    """Generate a line if no walls of a rock carry the maximum stress [Pa] of a key.
+
+    ``changed`` states a key of the rock that is changed, and ``more`` are numerics with which
+    joints are simulated besides those of the study.
+    """
+    from jointclosure.joint.feasibility import largest_stress  # loads the solvers
+
+    # a requested accuracy also simulates joints by the finest numerics
+    settings = [whole.numerics, *more, *([FINEST] if whole.study.accuracy else [])]
+    model = (rock.intact, rock.intact), rock.effects, whole.choices
+    most = min(largest_stress(*model, numerics, whole.grid.spacing) for numerics in settings)
+    if most >= stress:
+        return
+    bound = "choices.strength_bound: base"
+    radius = whole.choices.largest_radius
+    if radius is not None and whole.choices.strength_bound != "base":
+        bound = f"choices.largest_radius_mm = {in_unit(radius, 'mm'):g}"
+    yield (
+        f"{key} = {in_unit(stress, 'MPa'):g}: must be less than {in_unit(most, 'MPa'):.3g} MPa, "
+        f"which all cells of the walls carry together with {bound}"
+        + (f" and {changed}" if changed else "")
+    )
 
 
 def _unusual(stated: dict, where: str = "") -> Iterator[str]:

@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jointclosure.ensembles.quantities import QUANTITIES
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import Configuration, sections
 from studies.frame.settings import Case, ClosureSettings, Point
@@ -54,13 +54,14 @@ def experiment_named(name: str) -> Experiment:
         If no experiment has this name, or if it reads a quantity that does not exist.
     """
     if name not in sections():
-        raise InputError(f"{name}: must be an experiment ({', '.join(sections())})")
+        known = ", ".join(sections())
+        raise InputError(f"{name}: must be an experiment ({known}){did_you_mean(name, sections())}")
     experiment = import_module(f"studies.{name}.study").EXPERIMENT
     for quantity in experiment.quantities:
         if quantity not in QUANTITIES:
             raise InputError(
                 f"studies/{name}/study.py: quantities: {quantity!r}: must be a name of QUANTITIES "
-                "(src/jointclosure/ensembles/quantities.py)"
+                f"(src/jointclosure/ensembles/quantities.py){did_you_mean(quantity, QUANTITIES)}"
             )
     return experiment
 

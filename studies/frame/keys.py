@@ -4,18 +4,18 @@ A section is checked in the units of its keys, and has SI values once it is read
 ``spacing_mm`` of a file is the attribute ``spacing`` [m].
 """
 
-import difflib
 import functools
 import math
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args, get_type_hints
 
 import pydantic
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, Strict
 from pydantic_core import core_schema
 
+from jointclosure.inputs import did_you_mean
 from jointclosure.parameters import PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
 from jointclosure.parameters.units import bounds_of, documented, name_and_unit, to_si
 from jointclosure.walls.jrc import RELATIONS
@@ -453,12 +453,6 @@ def _allowed(error: dict) -> str:
         return f"{allowed}; {value} is too large for a number"
     digits, e, sign, power = match.groups()
     return f"{allowed}; YAML reads it as text: write {digits}.0{e}{sign or '+'}{power}"
-
-
-def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """Return the addition to a message that names the known word nearest to an unknown one."""
-    close = difflib.get_close_matches(word, known, n=1) if isinstance(word, str) else ()
-    return f"; did you mean {close[0]}?" if close else ""
 
 
 def _known(keys: type[BaseModel], path: tuple) -> list[str]:

@@ -5,7 +5,7 @@ import inspect
 import math
 import re
 import shutil
-from contextlib import nullcontext
+from contextlib import chdir, nullcontext
 from pathlib import Path
 
 import pandas as pd
@@ -22,7 +22,7 @@ from studies.frame.experiments import experiment_named
 from studies.frame.settings import seeds_of
 from studies.frame.simulation import close_points
 from studies.frame.tables import as_table
-from studies.frame.yaml_files import ConfigurationError, read_plain
+from studies.frame.yaml_files import ConfigurationError, read_plain, with_places
 from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny
 
@@ -159,6 +159,14 @@ ACCURATE = {"accuracy": {"within": 0.1}}
      ({"study": ACCURATE, "statistics": {"control_variates": 150}}, "control_variates = 150: must be more"),
      ({"rocks": {"slate": {"youngs_modulus_GPa": math.nan}}}, "youngs_modulus_GPa = nan: must be"),
      ({"rocks": {"slate": {"levels": {"jrc": [5, math.inf]}}}}, "levels.jrc = inf: must be"),
+     ({"choices": {"strength_bound": "base"}, "numerics": {"breakage": "resolved"},
+       "rocks": {"slate": {"max_normal_stress_MPa": 300}}},
+      "rocks.slate.max_normal_stress_MPa = 300: must be less than 135 MPa, which all cells"),
+     ({"choices": {"strength_bound": "base"}, "numerics": {"breakage": "resolved"},
+       "rocks": {"slate": {"levels": {"compressive_strength_MPa": [20, 200]}}}},
+      "with choices.strength_bound: base and rocks.slate.levels.compressive_strength_MPa = 20"),
+     ({"study": ACCURATE, "choices": {"largest_radius_mm": 0.25}},
+      "rocks.slate.max_normal_stress_MPa = 30: must be less than"),
      ({"study": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be less than 1"),
      ({"study": {"accuracy": {"within": 0.1, "of": "median"}}}, "mean, interval, stiffness")],
 )  # fmt: skip
@@ -307,6 +315,31 @@ def test_anchors_that_repeat_a_few_values_are_kept(tmp_path):
     assert read_plain(path) == {"a": few, "b": few, "c": {"x": 1, "y": -3}}
 
 
+PLACED = [
+    ("grid.cells_x = 2: must", "  mine.yaml, line 2: grid.cells_x = 2: must"),
+    ("grid.cell_y = 2: unknown", "  mine.yaml, line 2: grid.cell_y = 2: unknown"),
+    ("seating_stress_MPa = 9: must", "  usual.yaml, line 1: seating_stress_MPa = 9: must"),
+    ("rocks.tuff: lacks jrc", "  mine.yaml, line 4: rocks.tuff: lacks jrc"),
+    ("largest_radius = 0.1 m: must", "  mine.yaml, line 5: largest_radius = 0.1 m: must"),
+    ("jrc = 60: holds", "  jrc = 60: holds"),  # of which rock is not known
+    ("a text without a key", "  a text without a key"),
+]
+
+
+@pytest.mark.parametrize(("line", "placed"), PLACED)
+def test_a_message_names_file_and_line_of_the_key_with_which_it_begins(tmp_path, line, placed):
+    mine = (
+        "study: {name: mine}\ngrid: {cells_x: 2}\nrocks:\n  tuff: {jrc: 60}\n"
+        "choices: {largest_radius_mm: 100}\n"
+    )
+    usual = "seating_stress_MPa: 9\ngrid: {cells_x: 50}\nrocks: {slate: {jrc: 4}}\n"
+    with chdir(tmp_path):
+        Path("mine.yaml").write_text(mine)
+        Path("usual.yaml").write_text(usual)
+        message = with_places(f"configuration:\n  {line}", ["usual.yaml", "mine.yaml"])
+    assert message == f"configuration:\n{placed}"
+
+
 # What holds of every experiment: bad designs are refused by key, and jobs change no bit
 
 
@@ -316,6 +349,11 @@ TINY = {name: tiny(name) for name in sections()}
 REFUSED = [
     ("assessment", {"assessment": {"joints": 1}}, "joints = 1: must be greater than or equal to 2"),
     ("assessment", {"assessment": {"stress_MPa": [0.5]}}, "stress_MPa = 0.5: must be more than"),
+    ("assessment", {"numerics": {"breakage": "resolved"}, "choices": {"strength_bound": "base"},
+      "assessment": {"stress_MPa": [200]}}, "assessment.stress_MPa = 200: must be less than"),
+    ("measured_joints", {"choices": {"strength_bound": "base"},
+      "measured_joints": {"compressive_strength_MPa": [5]}},
+     "and measured_joints.compressive_strength_MPa = 5"),
     ("global_sensitivity", {"global_sensitivity": {"rows": 48}}, "rows = 48: must be a power of 2"),
     ("global_sensitivity", {"global_sensitivity": {"inputs": {"jrc": {"values": [6, 7]}}}}, "inputs.jrc: must have either"),
     ("global_sensitivity", {"global_sensitivity": {"inputs": {"jrc": {"between": [9, 6]}}}}, "[9.0, 6.0]: must ascend"),

@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from jointclosure.inputs import InputError
+from jointclosure.parameters.units import name_and_unit
 from jointclosure.storage.files import read_text
 from jointclosure.storage.provenance import origin
 
@@ -93,6 +94,42 @@ def read_plain(path: str | Path) -> dict:
     if reason or settings is None:
         raise ConfigurationError(f"{path}: {reason}")
     return settings
+
+
+def key_lines(path: str | Path) -> dict[str, int]:
+    """Return the line of each key of a configuration file by its path, such as "study.name"."""
+    lines: dict[str, int] = {}
+    waiting = [("", yaml.compose(read_text(path), Loader=_Loader))]
+    while waiting:
+        within, node = waiting.pop()
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+            lines[f"{within}{key.value}"] = key.start_mark.line + 1
+            waiting.append((f"{within}{key.value}.", value))
+    return lines
+
+
+def with_places(message: str, files: Iterable[str | Path]) -> str:
+    """Return a message with the file and line of each key with which one of its lines begins.
+
+    The line is that of the last file that states the key, or the section in which it should be. A
+    key without its section is found if no other section has it.
+    """
+    stated: dict[str, str] = {}
+    for file in files:
+        stated |= {key: f"{file}, line {line}: " for key, line in key_lines(file).items()}
+    of_last: dict[str, list[str]] = {}
+    for key in stated:
+        of_last.setdefault(name_and_unit(key.rpartition(".")[2])[0], []).append(key)
+    lines = []
+    for line in message.splitlines():
+        text = line.strip()
+        key = text.split(" ")[0].rstrip(":")
+        if (alike := of_last.get(key, [])) and key not in stated:
+            key = alike[0] if len(alike) == 1 else ""
+        while key and key not in stated:
+            key = key.rpartition(".")[0]
+        lines.append(line.removesuffix(text) + stated.get(key, "") + text)
+    return "\n".join(lines)
 
 
 def _no_file(path: Path) -> str:

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, StringConstraints
 
+from jointclosure.inputs import did_you_mean
 from jointclosure.parameters import PROPERTIES, key_of
 from studies.frame.configuration import Configuration, StudySection
 from studies.frame.keys import Name, Section, Several, Text, entry, must
@@ -74,7 +75,8 @@ class GlobalSensitivitySection(StudySection):
             for name in pair.inputs:
                 if name not in self.inputs:
                     known = ", ".join(self.inputs)
-                    yield f"global_sensitivity.dependent = {name!r}: must be one of {known}"
+                    meant = did_you_mean(name, self.inputs)
+                    yield f"global_sensitivity.dependent = {name!r}: must be one of {known}{meant}"
 
 
 def _input_problems(where: str, one: Input) -> Iterator[str]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from studies.frame.configuration import Configuration, StudySection
+from studies.frame.configuration import Configuration, StudySection, stress_problems
 from studies.frame.keys import Ascending, Positive, Several, entry
 
 
@@ -42,13 +42,20 @@ class MeasuredJointsSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate what is not allowed: not one rock, fewer than two cycles, too large a shift."""
+        """Generate what is not allowed: rocks, cycles, strengths and shifts."""
         study = configuration.study
         cells = configuration.grid.cells_x
         if len(study.rocks) != 1:
             yield f"study.rocks = {list(study.rocks)}: must be one rock (measured_joints)"
         if study.cycles < 2:
             yield f"study.cycles = {study.cycles}: must be at least 2 (measured_joints)"
+        for strength in self.compressive_strength:
+            tried = f"measured_joints.compressive_strength_MPa = {1e-6 * strength:g}"
+            for name, rock in configuration.rocks.items():
+                weaker = rock._replace(compressive_strength=strength)
+                key = f"rocks.{name}.max_normal_stress_MPa"
+                stress = rock.max_normal_stress
+                yield from stress_problems(key, stress, weaker, configuration, tried)
         largest = max(self.reseating_shift_in_cells, default=0)
         if largest > cells - 8:
             yield (

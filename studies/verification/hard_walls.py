@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.walls.synthesis import wall_pair
 
 
@@ -64,5 +64,7 @@ def hard_walls(
         upper, _ = wall_pair(jrc, shape, spacing, seed=seed, roll_off=None)
         return upper, -upper
     if kind not in SHAPES:
-        raise InputError(f"walls.kind = {kind!r}: must be one of {', '.join(SHAPES)}")
+        known = ", ".join(SHAPES)
+        meant = did_you_mean(kind, SHAPES)
+        raise InputError(f"walls.kind = {kind!r}: must be one of {known}{meant}")
     return shapes(shape, height)[kind]()

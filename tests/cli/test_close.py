@@ -416,6 +416,12 @@ def test_contacts_that_overlap_by_more_than_the_void_are_warned_of(joint):
     assert len(cautions(record["remarks"])) == closed.load_cycle.max()
 
 
+def test_the_option_that_gives_transmissivity_is_named_where_apertures_are_printed(joint):
+    text, _ = summary(joint.history, joint.laws, stress_table(joint.history))
+    (line,) = (line for line in text.splitlines() if "--flow" in line)
+    assert line.startswith("- apertures are mechanical; hydraulic aperture and transmissivity are")
+
+
 def test_an_aperture_that_is_zero_within_rounding_is_shown_as_none(joint):
     shut = joint.history.copy()
     shut["mean_aperture"] = 1e-21 + 0.0 * shut.mean_aperture

@@ -160,6 +160,9 @@ def test_roughness_of_an_inclined_wall_names_the_rounding_of_its_file(step_mm, t
     assert code == 0
     assert "the scan was turned until it lies level" in out
     assert ("heights are multiples of 100 um" in out) == (step_mm > 0.0)
+    assert "\nNote: " in out
+    assert "\nWarning: interpolation onto the grid smoothed the wall" in out
+    assert "Note: Warning" not in out
 
 
 @pytest.fixture

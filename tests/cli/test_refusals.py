@@ -58,7 +58,7 @@ def nothing_is_computed(monkeypatch, inputs):
             ["simulate", "--rock", "slate", "--stress", 2, "--zzz"],
             "unrecognized arguments: --zzz (see jointclosure simulate --help)",
         ),
-        (["simulate", "--rock", "slate", "--strss", 2], "--strss 2; is --stress meant? (see"),
+        (["simulate", "--rock", "slate", "--strss", 2], "--strss 2; did you mean --stress? (see"),
         (
             ["simulate", *GRANITE, "--jrc", 8, "--stress", 1, "--youngs-modulus", 52000],
             "(52000 GPa): not usual of rock",
@@ -71,6 +71,17 @@ def nothing_is_computed(monkeypatch, inputs):
             ["validate", *FIT, "--cells", 12, "--shifts", "0.5"],
             "shifts = 0.5: must be whole numbers",
         ),
+        (["simulate", "--rock", "granit"], "; did you mean granite? (see"),
+        (
+            ["simulate", "--rock", "slate", "--without", "interactions"],
+            "; did you mean interaction?",
+        ),
+        (["simulate", "--rock", "slate", "--jrc-relation", "yanng"], "; did you mean yang? (see"),
+        (
+            ["close", *ARRAYS, *GRANITE, "--range", "base_radius_in_cell", 0.3, 0.4],
+            "; did you mean base_radius_in_cells?",
+        ),
+        (["simulte"], "; did you mean simulate? (see jointclosure --help)"),
         (["report", "."], "must be a folder that `jointclosure close` wrote"),
     ],
 )

@@ -13,6 +13,7 @@ from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.parameters import USUAL, check_choices, check_usual
 from jointclosure.walls.gridding import Scan
+from studies.frame.experiments import experiment_named
 from studies.frame.rocks import ScannedWalls
 from studies.frame.scanned_walls import prepared_walls
 from tests.joints import DOLERITE, ELASTIC, SPACING, pair
@@ -53,6 +54,24 @@ def test_the_signature_of_a_function_of_scans_shows_the_numerics_that_it_takes(d
     shown = inspect.signature(getattr(jc, door)).parameters
     assert shown["numerics"].default == RESOLVED
     assert shown["spacing"].default is None
+
+
+def test_the_known_word_nearest_to_an_unknown_one_is_named():
+    known = {"spacing": SPACING, "max_normal_stress": 1e6}
+    with pytest.raises(jc.InputError, match=r"one of dolerite, .*; did you mean granite\?"):
+        jc.simulate(*pair(12), rock="granit", **known)
+    with pytest.raises(jc.InputError, match=r"resolved; did you mean resolved\?"):
+        jc.Numerics(breakage="resolve")
+    with pytest.raises(jc.InputError, match=r"did you mean compressive_strength\?"):
+        jc.close(
+            "a",
+            "b",
+            rock="slate",
+            max_normal_stress=1e6,
+            ranges={"compressive_strenght": (1e8, 2e8)},
+        )
+    with pytest.raises(jc.InputError, match=r"; did you mean mismatch\?"):
+        experiment_named("mismach")
 
 
 @pytest.mark.parametrize("door", CLOSE)

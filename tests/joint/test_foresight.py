@@ -9,10 +9,13 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.joint import cycling, simulation
+from jointclosure.joint import cycling, feasibility, simulation
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.cycling import closure_limit
+from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.joint.step_control import LARGEST_STEP
+from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.solvers import fast
 from jointclosure.solvers.fast import BAND
@@ -74,6 +77,54 @@ def test_a_stress_that_all_bases_together_do_not_carry_is_refused_by_what_they_d
     most = 1e6 * float(str(said.value).split("less than ")[1].split(" MPa")[0])
     base = 0.5**2 * np.pi * 2.0 / 3.0 * 3e6 / strength_factor(joints.DOLERITE.poisson_ratio)
     assert most == pytest.approx(base, rel=0.01)
+
+
+BEYOND = {"max_normal_stress": 300e6, "rock": "granite", "numerics": RESOLVED}
+
+
+@pytest.mark.parametrize(
+    "door",
+    [
+        lambda: jc.simulate(*pair(CELLS), spacing=SPACING, **BEYOND),
+        lambda: jc.simulate_ensemble([pair(CELLS)], spacing=SPACING, workers=1, **BEYOND),
+        lambda: jc.close("no_file", "no_file", **BEYOND),
+        lambda: jc.assess(("no_file", "no_file"), **BEYOND),
+        lambda: jc.choose_effects([pair(CELLS)], spacing=SPACING, **BEYOND),
+        lambda: jc.fit(_curve(), rock=_weak(), jrc=8.0, shape=(CELLS, CELLS)),
+        lambda: jc.validate(_curve(), rock=_weak(), jrc=8.0, shape=(CELLS, CELLS)),
+    ],
+    ids=["simulate", "simulate_ensemble", "close", "assess", "choose_effects", "fit", "validate"],
+)
+def test_a_stress_that_no_walls_carry_is_refused_before_files_are_read_or_joints_made(door):
+    made = AssertionError("a joint was made")
+    refused = r"max_normal_stress \(--stress\) = .* must be less than"
+    none_is = patch.object(simulation, "Joint", side_effect=made)
+    with none_is, pytest.raises(jc.InputError, match=refused):
+        door()
+
+
+def _weak():
+    return named_rock("granite")._replace(compressive_strength=2e6)
+
+
+def _curve():
+    stress = np.linspace(0.0, 5e6, 12)
+    return MeasuredCurve(stress, 1e-4 * stress / (stress + 1e6), np.ones(12, int), np.arange(12))
+
+
+def test_the_stress_of_any_walls_is_never_below_that_of_all_cells_of_a_pair():
+    for choices in (jc.Choices(), jc.Choices(strength_bound="none", largest_radius=2 * SPACING)):
+        rocks = joints.DOLERITE, joints.DOLERITE
+        model = jc.Effects(), choices, RESOLVED
+        joint = Joint(*pair(CELLS), SPACING, rocks, *model)
+        of_any = feasibility.largest_stress(rocks, *model, SPACING)
+        of_pair = feasibility.joint_strength(joint).of_joint
+        assert of_pair <= of_any
+        assert choices.largest_radius or of_any < 1.1 * of_pair
+    # a bound by the base does not depend on the spacing
+    model = jc.Effects(), jc.Choices(), RESOLVED
+    known = feasibility.largest_stress(rocks, *model, SPACING)
+    assert feasibility.largest_stress(rocks, *model) == pytest.approx(known)
 
 
 @pytest.mark.parametrize("branch", ["loading", "unloading"])

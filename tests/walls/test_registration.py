@@ -240,6 +240,27 @@ def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, wo
     assert (report[-1] in cautions(report)) == (word == "below")
 
 
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_scans_without_a_common_zero_do_not_show_the_order_of_the_walls(order, joint):
+    scans = [grid(wall - wall.mean()) for wall in (-joint[0], joint[1])][order]
+    report = registered(*scans).report
+    assert report[-1].startswith("Warning: the scans have no common zero of heights")
+    assert report[-1] in cautions(report)
+
+
+def test_interchanged_walls_of_which_one_was_turned_over_are_the_same_joint(joint):
+    upper, lower = scanned(joint[0], "turned_over"), grid(joint[1])
+    given, interchanged = registered(upper, lower), registered(lower, upper)
+    assert given.orientation == interchanged.orientation == "turned_over"
+    assert interchanged.aperture.mean() == pytest.approx(given.aperture.mean(), rel=1e-3)
+
+
+def test_two_scans_of_one_wall_are_warned_of(joint):
+    noise = 1e-6 * np.random.default_rng(1).standard_normal((2, *joint[1].shape))
+    found = registered(*(grid(joint[1] + each) for each in noise))
+    assert any("as two scans of one wall do" in line for line in found.warnings)
+
+
 def test_the_aperture_is_zero_at_first_touch_where_no_spike_is(joint, walls):
     upper, spiked = walls
     spiked[40, 50] += 3e-3

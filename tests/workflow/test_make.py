@@ -122,7 +122,9 @@ def test_a_wrong_configuration_is_refused_in_one_line_a_key(project, program):
     assert refused.returncode != 0
     lines = (refused.stdout + refused.stderr).splitlines()
     for place, value in WRONG:
-        assert len([line for line in lines if place in line and str(value) in line]) == 1
+        (named,) = [line for line in lines if place in line and str(value) in line]
+        assert re.match(rf"  wrong.yaml, line \d+: {place} = ", named)
+    assert not [line for line in lines if ".smk" in line]
     assert not [line for line in lines if line.startswith(("Traceback", "rule "))]
     assert not (project / "results").exists()
 
@@ -166,6 +168,7 @@ def test_a_second_run_of_a_study_is_refused(at_work):
     printed = refused.stdout + refused.stderr
     assert "another run of the study tiny is at work here" in printed
     assert "Traceback" not in printed
+    assert ".smk" not in printed
     assert "--unlock" not in printed
     assert state_of(at_work) == before
 

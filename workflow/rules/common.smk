@@ -5,9 +5,8 @@
 # the part of the configuration that a rule reads, as plain values in a fixed order.
 import json
 import os
+import sys
 from functools import cache, partial
-
-from snakemake.exceptions import WorkflowError
 
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.compilation.code_digests import code_digest
@@ -36,15 +35,30 @@ from studies.frame.pilots import examined, tried
 from studies.frame.experiments import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
 from studies.frame.settings import BASE, joints_of, surface_settings
-from studies.frame.yaml_files import configuration_text, read_plain
+from studies.frame.yaml_files import configuration_text, read_plain, with_places
 from studies.paper.measured_curves import curve_settings, measured_curves
 from studies.paper.report.page import template_digest
 
-if not Path("config/default.yaml").is_file():
-    raise WorkflowError(
-        "config/default.yaml: is not in this folder; start snakemake in the folder of the "
-        "project, or with --directory"
+DEFAULT_KEYS = "config/default.yaml"  # other files of keys are merged over it
+if not Path(DEFAULT_KEYS).is_file():
+    sys.exit(
+        f"{DEFAULT_KEYS}: is not in this folder; start snakemake in the folder of the project, or "
+        "with --directory"
     )
+
+
+def refuse_configuration(error):
+    """End Snakemake with the message of an error, and the files and lines of its keys.
+
+    An exception would show this file and its line, at which nothing is wrong.
+    """
+    files = sorted(map(os.path.relpath, workflow.configfiles), key=DEFAULT_KEYS.__ne__)
+    try:
+        sys.exit(with_places(str(error), files))
+    except InputError:  # a file cannot be read, which is the error
+        sys.exit(str(error))
+
+
 try:  # one line for each wrong key or file, before any job
     for file in workflow.configfiles:
         read_plain(file)
@@ -52,7 +66,7 @@ try:  # one line for each wrong key or file, before any job
     check_files(STUDY.rocks)
     measured_curves(curve_settings(STUDY))
 except InputError as error:
-    raise WorkflowError(str(error)) from None
+    refuse_configuration(error)
 config.update(STUDY.stated)
 
 RESULTS = f"results/{STUDY.study.name}"
@@ -120,7 +134,7 @@ if PLAN is not None:
 CHECKED = DATASETS | ({"finest": "finest"} if STUDY.study.accuracy else {})
 
 # The paper's study, beside which tables of other studies are put
-IS_PAPER = STUDY.study.name == read_plain("config/default.yaml")["study"]["name"]
+IS_PAPER = STUDY.study.name == read_plain(DEFAULT_KEYS)["study"]["name"]
 SENSITIVITY = [
     "results/global_sensitivity/tables/global_sensitivity",
     "studies/global_sensitivity/published/global_sensitivity/global_sensitivity",
@@ -369,7 +383,7 @@ if workflow.is_main_process:
         for experiment in EXPERIMENTS.values():
             experiment.check(STUDY)
     except InputError as error:
-        raise WorkflowError(str(error)) from None
+        refuse_configuration(error)
 
 
 def name_of(function):

@@ -120,9 +120,7 @@ onstart:
     try:
         fcntl.flock(HELD[-1], fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise WorkflowError(
-            f"another run of the study {STUDY.study.name} is at work here"
-        )
+        sys.exit(f"another run of the study {STUDY.study.name} is at work here")
     # Snakemake gives the path of Python to a shell without quotes, whatever this folder is named.
     sys.executable = os.path.relpath(sys.executable)
     # A job replaces its shell. On Linux the kernel kills it when Snakemake ends, for any reason,

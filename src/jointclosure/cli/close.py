@@ -18,7 +18,7 @@ from typing import Any
 from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files, export_remarks, exported_loading
 from jointclosure.execution.progress import duration, seconds_of_process
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import rock_record
@@ -87,7 +87,9 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
         except ValueError:
             raise InputError(f"--range {key} {' '.join(ends)}: must end in two numbers") from None
         if key not in VARIED.values():
-            raise InputError(f"--range {key}: must be one of {', '.join(VARIED.values())}")
+            known = ", ".join(VARIED.values())
+            meant = did_you_mean(key, VARIED.values())
+            raise InputError(f"--range {key}: must be one of {known}{meant}")
         ((name, (low, high)),) = to_si({key: values}).items()
         if name in ranges:
             raise InputError(f"--range {key}: must be given once")

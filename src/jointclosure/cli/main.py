@@ -1,7 +1,6 @@
 """Command line `jointclosure`; each command is a module of this package."""
 
 import argparse
-import difflib
 import importlib
 import io
 import re
@@ -11,7 +10,7 @@ from typing import Any, NoReturn
 
 from jointclosure import __version__
 from jointclosure.cli import COMMANDS
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 
 
 class Parser(argparse.ArgumentParser):
@@ -19,6 +18,14 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Name the nearest of the allowed words besides what argparse says of another one."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            meant = did_you_mean(value, map(str, action.choices or ()))
+            raise argparse.ArgumentError(action, f"{error.message}{meant}") from None
 
 
 def parser(
@@ -51,11 +58,8 @@ def main(words: Sequence[str] | None = None, **commands: Any) -> int:
     arguments, unknown = parser(words, **commands).parse_known_args(words)
     if unknown:
         options = re.findall(r"--[\w-]+", arguments.command.format_usage())
-        alike = difflib.get_close_matches(unknown[0], options, 1)
-        arguments.command.error(
-            f"unrecognized arguments: {' '.join(unknown)}"
-            + (f"; is {alike[0]} meant?" if alike else "")
-        )
+        meant = did_you_mean(unknown[0], options)
+        arguments.command.error(f"unrecognized arguments: {' '.join(unknown)}{meant}")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # write logs line by line
     try:

@@ -57,6 +57,10 @@ _NO_RANGE_OF_LAWS = (
     "Barton-Bandis values have no range, because JRC and JCS are taken as exact and the law states "
     "no error"
 )
+_WITHOUT_FLOW = (
+    "apertures are mechanical; hydraulic aperture and transmissivity are computed only with --flow "
+    "(flow=True in Python)"
+)
 _MEAN_OF_DIRECTIONS = (
     "hydraulic aperture and transmissivity in the tables are of the geometric mean of the "
     "hydraulic apertures along x and y"
@@ -95,6 +99,8 @@ def summary(
     if history_of(closed).has_flow:
         remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
         remarks.append(_MEAN_OF_DIRECTIONS + (_NO_RANGE_OF_DIRECTIONS if budget else ""))
+    else:
+        remarks.append(_WITHOUT_FLOW)
     table = result_table(closed, laws, curves, budget)
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     head = (

@@ -13,7 +13,7 @@ import pandas as pd
 
 from jointclosure.cli import options, results
 from jointclosure.inputs import InputError, check_length, naming
-from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.inputs.remarks import caution, cautions, noted
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import point_distance, wall_on_grid
 from jointclosure.walls.levelling import levelled
@@ -134,7 +134,7 @@ def _show(
 ) -> None:
     """Print measures and remarks, and write the table that the command line names."""
     print(_text(measures, str(arguments.file), size))
-    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
+    print("".join(f"\n{noted(remark)}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
         columns = ["measure", *Measure._fields[1:]]
         results.write(pd.DataFrame(measures, columns=columns), arguments.table)

@@ -1,8 +1,9 @@
 """Checks of arguments: numbers, lengths, arrays and words."""
 
+import difflib
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -128,4 +129,16 @@ def check_positive(name: str, value: float, unit: str, may_be_infinite: bool = F
 def check_one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
     """Raise `InputError` unless a value is one of the allowed words."""
     if not isinstance(value, str) or value not in allowed:
-        raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
+        known = ", ".join(allowed)
+        raise InputError(
+            f"{name} = {value!r}: must be one of {known}{did_you_mean(value, allowed)}"
+        )
+
+
+def did_you_mean(word: object, known: Iterable[str], least: float = 0.6) -> str:
+    """Return the addition to a message that names the known word nearest to an unknown one.
+
+    It is empty if the similarity of all is below the ``least`` [1].
+    """
+    close = difflib.get_close_matches(word, known, 1, least) if isinstance(word, str) else ()
+    return f"; did you mean {close[0]}?" if close else ""

@@ -1,9 +1,10 @@
 """Keywords of functions that are the fields of a named tuple."""
 
-import difflib
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
+
+from jointclosure.inputs import did_you_mean
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -43,8 +44,7 @@ def check_keywords(
     for name in stated:
         if name in allowed:
             continue
-        near = difflib.get_close_matches(name, allowed, 1, 0.7)
-        meant = f"; did you mean {near[0]}?" if near else ""
+        meant = did_you_mean(name, allowed, 0.7)
         for keyword, fields in inside.items():
             if name in fields:
                 meant = f"; it is a field of jointclosure.{keyword.capitalize()}, for {keyword}"

@@ -244,6 +244,10 @@ class Conditions(NamedTuple):
                 f"max_normal_stress = {largest!r} Pa: must be below the rock's "
                 f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
             )
+        if self.effects.breakage:
+            from jointclosure.joint.feasibility import check_strength  # loads the solvers
+
+            check_strength(pair, float(largest), *self.model, self.spacing)
         return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
 
 

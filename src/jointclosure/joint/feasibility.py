@@ -7,10 +7,11 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.joint.step_control import LARGEST_STEP
-from jointclosure.parameters import Numerics
+from jointclosure.mechanics.contact_law import ContactLaw, contact_law
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
-from jointclosure.solvers.joint import Joint
+from jointclosure.solvers.joint import CRUSHED, Joint
 
 _CRUSHING = 3e6
 """Breakage steps over the number of cells needed to crush a rock to powder with resolved breakage.
@@ -35,15 +36,63 @@ def joint_strength(joint: Joint) -> Strength:
     """Compute the strength of all cells of an intact joint."""
     if not joint.effects.breakage:
         return Strength()
-    law = joint.law
-    flattest = np.maximum(2.0 * law.least_curvature, law.filling)[joint.peaks]
-    if not flattest.all():
+    forces = _cell_strengths(joint.law, joint.numerics.tolerance)[joint.peaks]
+    if not np.isfinite(forces).all():
         return Strength()
-    # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
-    beyond = (1.0 + 0.5 * BAND * joint.numerics.tolerance) ** 1.5
-    forces = beyond * law.breaking_force[joint.peaks] / flattest**2
     together = float(forces.sum()) / joint.area
     return Strength(float(forces.max()), together if joint.effects.gouge else math.inf)
+
+
+def _cell_strengths(law: ContactLaw, tolerance: float) -> np.ndarray:
+    """Return the largest force (8,) [N] of a cell by the state of the pair; infinite if unbounded.
+
+    A pair may exceed its strength by half the band, its force by as much to the power of 3/2.
+    """
+    flattest = np.maximum(2.0 * law.least_curvature, law.filling)
+    beyond = (1.0 + 0.5 * BAND * tolerance) ** 1.5
+    with np.errstate(divide="ignore"):
+        return beyond * law.breaking_force / flattest**2
+
+
+def check_strength(
+    rock: tuple[Rock, Rock],
+    max_normal_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    spacing: float | None = None,
+) -> None:
+    """Raise `InputError` for a stress [Pa] above the `largest_stress` of the rocks."""
+    together = largest_stress(rock, effects, choices, numerics, spacing)
+    _check_not_crushed(together, max_normal_stress, choices, numerics)
+
+
+def largest_stress(
+    rock: tuple[Rock, Rock],
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    spacing: float | None = None,
+) -> float:
+    """Return the stress [Pa] above which simulations of all walls of two rocks are refused.
+
+    It is infinite if there is none. All cells count as the strongest kind, which with the largest
+    radius alone are soft peaks: `check_feasible` knows the cells, and also refuses smaller
+    stresses. Without a spacing [m] that radius is not a bound.
+    """
+    if not (effects.breakage and effects.gouge and _needs_strength(numerics)):
+        return math.inf
+    if spacing is None:  # a bound by the base does not depend on it
+        spacing = 1.0
+        choices = choices._replace(largest_radius=None)
+    law = contact_law(spacing, rock, effects, choices)
+    strongest = float(_cell_strengths(law, numerics.tolerance)[:CRUSHED].max())
+    return strongest / spacing**2
+
+
+def _needs_strength(numerics: Numerics) -> bool:
+    """Return whether a simulation does not end where all cells together carry too little."""
+    return numerics.breakage == "resolved" and numerics.most_breakage_steps < _CRUSHING
 
 
 def check_feasible(joint: Joint, strength: Strength, max_normal_stress: float, cycles: int) -> None:
@@ -64,14 +113,16 @@ def check_feasible(joint: Joint, strength: Strength, max_normal_stress: float, c
             f"{least:.3g} m, and later_displacement_step too, or most_steps larger (is the unit of "
             "the heights right?)"
         )
-    together = strength.of_joint
-    radius = joint.choices.largest_radius
-    crushed = (
-        numerics.breakage == "resolved"
-        and together < max_normal_stress
-        and numerics.most_breakage_steps < _CRUSHING
-    )
-    if crushed and joint.choices.strength_bound == "base":
+    _check_not_crushed(strength.of_joint, max_normal_stress, joint.choices, numerics)
+
+
+def _check_not_crushed(
+    together: float, max_normal_stress: float, choices: Choices, numerics: Numerics
+) -> None:
+    """Raise `InputError` if all cells ``together`` carry less than the stress, both [Pa]."""
+    radius = choices.largest_radius
+    crushed = together < max_normal_stress and _needs_strength(numerics)
+    if crushed and choices.strength_bound == "base":
         raise InputError(
             f"max_normal_stress (--stress) = {1e-6 * max_normal_stress:g} MPa: must be less than "
             f"{1e-6 * together:.3g} MPa, which all cells together carry with strength_bound = "

@@ -6,7 +6,7 @@ Those of the paper are Table 1 (after Bandis et al. 1983); their maximum stress 
 from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.parameters import PROPERTIES, Rock, acting, check_rock, in_double, key_of
 
 
@@ -40,7 +40,8 @@ def named_rock(rock: str | Rock) -> Rock:
         return rock
     known = matching(rock, ROCKS) if isinstance(rock, str) else None
     if known is None:
-        raise InputError(f"rock = {rock!r}: must be a Rock or one of {', '.join(ROCKS)}")
+        meant = did_you_mean(rock, ROCKS)
+        raise InputError(f"rock = {rock!r}: must be a Rock or one of {', '.join(ROCKS)}{meant}")
     return ROCKS[known].intact
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 from jointclosure.execution.cache import Entry, make_missing
 from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.execution.workers import number_of_workers
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
@@ -82,7 +82,8 @@ class ComparisonJoints(NamedTuple):
         asked = self.asked
         for strength in strengths:
             for later in self.laters:
-                with_strength(self.conditions, strength, later).checked()
+                with naming(f"joints of a compressive strength of {1e-6 * strength:.3g} MPa"):
+                    with_strength(self.conditions, strength, later).checked()
         asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
         nodes = (asked.wavelengths.size, len(self.strengths))
         surfaces = asked.joint.surfaces

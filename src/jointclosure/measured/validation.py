@@ -17,7 +17,7 @@ import pandas as pd
 
 from jointclosure.inputs import InputError, check_below, check_number, check_positive
 from jointclosure.inputs.keywords import takes
-from jointclosure.inputs.remarks import caution
+from jointclosure.inputs.remarks import caution, without_word
 from jointclosure.measured.compared_quantities import about_share, prediction_intervals
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.joint_arguments import JointKeywords, MeasuredJoint, asked_joints
@@ -287,7 +287,7 @@ def validate(
             left_out.append(caution(f"{mechanism_of(later)}, {later}: left out, {reason}"))
     if LaterLoading() not in compared:
         name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
-        raise InputError(f"{name}: the joints cannot be compared: {left_out[0]}")
+        raise InputError(f"{name}: the joints cannot be compared: {without_word(left_out[0])}")
     kept = [laters.index(later) for later in compared]
     region = Region(
         measured, given.curve, compared, (closures - closures[..., :1, :1])[kept],

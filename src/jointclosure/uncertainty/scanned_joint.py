@@ -13,7 +13,7 @@ import xarray as xr
 from jointclosure.execution.progress import bar, closing_bar
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
-from jointclosure.inputs.remarks import caution, cautions
+from jointclosure.inputs.remarks import caution, cautions, without_word
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
@@ -298,7 +298,7 @@ class _Remarks:
             print("".join(f"- {line}\n" for line in lines), end="", flush=True)
             return
         for doubt in doubts:
-            warnings.warn(doubt, stacklevel=3)  # at the line that called `close`
+            warnings.warn(without_word(doubt), stacklevel=3)  # at the line that called `close`
 
 
 def _no_bar(share: float, variant: str) -> None:

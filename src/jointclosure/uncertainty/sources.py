@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.inputs import InputError, check_number, naming
+from jointclosure.inputs import InputError, check_number, did_you_mean, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import both_walls
 from jointclosure.parameters import (
@@ -176,7 +176,10 @@ def check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float
     first, second = both_walls(conditions.rock)
     for name, ends in ranges.items():
         if name not in VARIED:
-            raise InputError(f"ranges: {name!r}: must be one of {', '.join(VARIED)}")
+            known = ", ".join(VARIED)
+            raise InputError(
+                f"ranges: {name!r}: must be one of {known}{did_you_mean(name, VARIED)}"
+            )
         if np.shape(ends) != (2,):
             raise InputError(f"ranges: {name} = {ends!r}: must be (lowest, highest)")
         for end in ends:

@@ -23,6 +23,9 @@ _CONFUSED = {
 _ALIKE = 0.5  # correlation of slopes from which two walls count as similar
 _PAIRS = 0.75, 1.25
 """Distances of the points, in cells, whose height differences are compared with those of cells."""
+INTERCHANGED = 0.9
+"""Share of the cells in which the upper wall of scans with one zero of heights lies below the lower
+one, from which the walls are interchanged: interchanged walls have 0.998, others 0.002."""
 _SAMPLE = 20_000  # most nodes, and points, that are asked for their neighbours
 
 
@@ -49,7 +52,7 @@ def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
             f"copy of the other; {AS_IT_IS}"
         )
     below = float(np.mean(gap < 0.0))
-    if common_frame and below > 0.9:  # interchanged walls have 0.998, others 0.002
+    if common_frame and below > INTERCHANGED:
         raise InputError(
             f"upper and lower: the upper wall lies below the lower one in {100.0 * below:.3g} "
             f"% of the cells, by {-1e3 * gap.mean():.3g} mm in the mean; give the files in the "

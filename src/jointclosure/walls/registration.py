@@ -764,15 +764,25 @@ def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
 
 
 def _frame_remark(overlap: Overlap) -> str:
-    """Describe the mean distance of walls in one frame; warn if the upper one is the lower."""
-    gap = float(np.mean(overlap.upper - overlap.lower))
+    """Describe the mean distance of walls in one frame, or say that it is not known.
+
+    Walls with one zero of heights hardly overlap in the order in which they are given, or nearly
+    everywhere if they are interchanged. In other scans neither is so.
+    """
+    gaps = overlap.upper - overlap.lower
+    gap = float(np.mean(gaps))
     where = f"{1e3 * abs(gap):.3g} mm {'above' if gap > 0.0 else 'below'} the lower one"
     lies = f"in the scans the upper wall lies {where} in the mean"
-    wrong = (
-        "if both scans have one zero of heights, the walls are interchanged or heights count "
-        "downwards"
+    below = float(np.mean(gaps < 0.0))
+    if below > plausibility.INTERCHANGED:
+        return caution("the walls are interchanged or heights count downwards", f"{lies}: ")
+    if below < 1.0 - plausibility.INTERCHANGED:
+        return lies
+    return caution(
+        "the scans have no common zero of heights, as each wall lies partly below the other: the "
+        "data do not show whether the files are interchanged, in which case the aperture would be "
+        "that of other walls; check that the first file is the upper wall"
     )
-    return lies if gap > 0.0 else caution(wrong, f"{lies}: ")
 
 
 def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
