@@ -217,7 +217,8 @@ def contradictions(whole: Configuration) -> Iterator[str]:
     checks += [
         (spectrum_of, surface.hurst, surface.rule, surface.roll_off, spacing),
         (check_mismatch, surface.mismatch_wavelength, surface.correlation),
-        (parameters.check_choices, whole.choices, spacing),
+        (parameters.check_choices, whole.choices),
+        (parameters.check_radius, whole.choices, spacing),
         (parameters.check_numerics, numerics),
     ]
     refused = list(_refused(checks))

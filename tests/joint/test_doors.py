@@ -4,14 +4,17 @@ import functools
 import inspect
 import re
 import warnings
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure import parameters
+from jointclosure.joint import conditions
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.rocks import ROCKS
-from jointclosure.parameters import USUAL, check_choices, check_usual
+from jointclosure.parameters import USUAL, check_radius, check_usual
 from jointclosure.walls.gridding import Scan
 from studies.frame.experiments import experiment_named
 from studies.frame.rocks import ScannedWalls
@@ -298,9 +301,9 @@ def test_seating_is_at_most_nine_tenths_of_the_smallest_maximum():
 
 
 def test_an_asperity_is_no_flatter_than_a_cell_is_wide():
-    check_choices(CHOICES._replace(largest_radius=SPACING), SPACING)
+    check_radius(CHOICES._replace(largest_radius=SPACING), SPACING)
     with pytest.raises(jc.InputError, match="must be at least the grid spacing"):
-        check_choices(CHOICES._replace(largest_radius=0.99 * SPACING), SPACING)
+        check_radius(CHOICES._replace(largest_radius=0.99 * SPACING), SPACING)
 
 
 @pytest.mark.parametrize(("name", "switch"), [("replay", NUMERICS), ("gouge", jc.Effects())])
@@ -311,3 +314,18 @@ def test_a_switch_is_no_number(name, switch, value):
             SPACING, DOLERITE, 1e6,
             **{type(switch).__name__.lower(): switch._replace(**{name: value})},
         ).checked()  # fmt: skip
+
+
+@pytest.mark.parametrize("door", CLOSE)
+def test_what_a_user_states_is_checked_and_parsed_once_in_a_call(door, monkeypatch):
+    checks = [
+        (parameters, "check_scene"), (parameters, "check_choices"), (parameters, "check_numerics"),
+        (conditions, "parsed_load"),
+    ]  # fmt: skip
+    stated = {"rock": DOLERITE, "max_normal_stress": [3e6, 1e6, 2e6], "spacing": SPACING}
+    CLOSE[door](*pair(24), **stated)  # prepares the kernels, by a joint with conditions of its own
+    counted = [Mock(wraps=getattr(module, name)) for module, name in checks]
+    for (module, name), count in zip(checks, counted, strict=True):
+        monkeypatch.setattr(module, name, count)
+    CLOSE[door](*pair(24), **stated)
+    assert [count.call_count for count in counted] == [1, 1, 1, 1]

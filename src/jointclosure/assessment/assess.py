@@ -26,7 +26,9 @@ from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
+    checked_as_stated,
     conditions_from,
+    on_grid,
     takes_scans,
 )
 from jointclosure.joint.status import (
@@ -469,14 +471,11 @@ def assess(
         If an argument is out of its range or a scan cannot be read.
     """
     changes = changes if conditions else {"numerics": RESOLVED} | changes
-    given = conditions_from(conditions, changes, "assess", varied=True)
-    check_request(given, within, budget)
+    given = checked_request(conditions_from(conditions, changes, "assess"), within, budget)
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
-    stated, ladder, variants = assessed_variants(
-        given._replace(spacing=spacing, flow=False).checked()
-    )
+    stated, ladder, variants = assessed_variants(on_grid(given, spacing)._replace(flow=False))
     tasks = [
         (name, joint, copy)
         for name, joint in itertools.product(variants, range(len(pairs)))
@@ -486,12 +485,17 @@ def assess(
     return Assessment(closures, ladder, stated, within, budget)
 
 
-def check_request(given: Conditions, within: float = 0.05, budget: float | None = None) -> None:
-    """Raise `InputError` if conditions, a requested error [1] or a budget [s] are not allowed."""
+def checked_request(
+    stated: Conditions, within: float = 0.05, budget: float | None = None
+) -> Conditions:
+    """Return the checked conditions of an assessment.
+
+    Raise `InputError` if they, the requested error [1] or the budget [s] are not allowed.
+    """
     check_below("within", within, 1.0)
     if budget is not None:
         check_below("budget", budget, 1e9)  # thirty years [s]
-    given.checked()
+    return checked_as_stated(stated, varied=True)
 
 
 def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:

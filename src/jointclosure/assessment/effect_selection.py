@@ -25,7 +25,14 @@ from jointclosure.assessment.effect_names import without
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.ensembles.simulation import read_joint, simulated_joint
 from jointclosure.inputs import check_below, check_count
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    checked_as_stated,
+    conditions_from,
+    on_grid,
+    takes_conditions,
+)
 from jointclosure.joint.wall_checks import warn_of_doubts
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import AUTO_TOLERANCE, Effects
@@ -205,7 +212,7 @@ class Pilot:
             return "cannot be computed"
         # whatever the one closure of an elastic joint is, it is off by as much in some cycle
         least = np.ptp(net) / (net.max() + net.min())
-        if "breakage" in names and len(set(self.conditions.load)) == 1 and least > tolerance:
+        if "breakage" in names and len(set(self.conditions.load.cycles)) == 1 and least > tolerance:
             words = "or more (net closure), as all cycles would be alike"
             return f"of a cycle changes by {percent(least)} {words}"
         return ""
@@ -328,15 +335,14 @@ def choose_effects(
         If the tolerance or the number of joints is out of range, there are no walls, or
         `jointclosure.simulate` refuses an argument.
     """
-    stated = conditions_from(conditions, changes, "choose_effects", varied=True)
+    given = checked_as_stated(conditions_from(conditions, changes, "choose_effects"), varied=True)
     check_below("tolerance", tolerance, 1.0)
     check_count("joints", joints, 1, 100_000)
-    pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), stated.spacing)
-    stated = stated._replace(spacing=spacing).checked()
-    if not stated.unusual_values:
+    pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), given.spacing)
+    if not given.unusual_values:
         for upper, lower in pairs:
             warn_of_doubts(upper, lower, spacing)
-    return choose_among(Pilot(pairs, stated, joints), tolerance, report)
+    return choose_among(Pilot(pairs, on_grid(given, spacing), joints), tolerance, report)
 
 
 def choose_among(

@@ -11,7 +11,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from jointclosure.assessment.assess import assess, check_request
+from jointclosure.assessment.assess import assess, checked_request
 from jointclosure.cli import options, results
 from jointclosure.execution.progress import bar
 from jointclosure.joint.conditions import Conditions
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Assess the joint and write its folder; return 1 if it is not stable."""
     _, stated = options.keywords(arguments, Conditions, RESOLVED, "max_normal_stress")
     asked = options.given(arguments, ("within", "budget"))
-    check_request(Conditions(**{"spacing": None} | stated), **asked)
+    checked_request(Conditions(**{"spacing": None} | stated), **asked)
     scans, grid = (options.given(arguments, names) for names in (options.SCANS, options.PLACES))
     walls = arguments.upper, arguments.lower
     pair = registered_walls(*walls, scans, stated.pop("spacing", None), **grid)

@@ -21,7 +21,12 @@ from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import closing_bar, duration, seconds_of_process
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions, check_named_stresses, conditions_from
+from jointclosure.joint.conditions import (
+    Conditions,
+    check_named_stresses,
+    checked_as_stated,
+    conditions_from,
+)
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
@@ -62,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     conditions = conditions_from(None, stated, "simulate", "spacing")
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
     options.check_export_cycle(arguments.export_cycle, conditions)
-    check_named_stresses(arguments.at, conditions.checked(kept))
+    check_named_stresses(arguments.at, checked_as_stated(conditions, kept))
     lengths = options.given(arguments, ("joint_length", "lab_length"))
     check_joint_lengths(**lengths)
     walls = wall_pair(**about)

@@ -113,7 +113,7 @@ def _hydraulic(joint: SimulatedJoint) -> np.ndarray:
 
 
 def _loop(joint: SimulatedJoint) -> np.ndarray:
-    half = np.array([0.5 * np.max(joint.conditions.max_normal_stress)])
+    half = np.array([0.5 * joint.conditions.largest_stress])
     return loop_between(*joint.read_at_stresses(joint.closed.closure.values, half)[:, :, 0].T)
 
 

@@ -14,7 +14,13 @@ from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.execution.progress import bar
 from jointclosure.execution.workers import Failed, ProcessLostError, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_count
-from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
+from jointclosure.joint.conditions import (
+    Changes,
+    Conditions,
+    checked_as_stated,
+    conditions_from,
+    takes_conditions,
+)
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.joint.wall_checks import checked_walls
@@ -148,7 +154,7 @@ def simulate_ensemble(
     check_count("stress_points", stress_points, 2, 100_000)
     stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
     spacing = stated.grid_spacing
-    conditions = stated.checked()
+    conditions = checked_as_stated(stated)
     stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
     reading = Reading(conditions, names_of_case(conditions.flow), stresses)
     labels, pairs = _pairs(walls, seeds, spacing)

@@ -16,10 +16,10 @@ from jointclosure.parameters import (
     Effects,
     Numerics,
     Rock,
-    check_choices,
+    check_crushed_strength,
     check_effective,
-    check_numerics,
-    check_scene,
+    check_model,
+    check_radius,
     check_usual,
     in_double,
 )
@@ -40,13 +40,44 @@ class LoadCycle(NamedTuple):
     minimum: float = 0.0
 
 
-def load_cycles(
-    max_normal_stress: float | Sequence[float], cycles: int | None = None
-) -> tuple[LoadCycle, ...]:
-    """Return the cycles [Pa] of a load (see `Conditions`), or raise `InputError`."""
+class Load(NamedTuple):
+    """Checked load of a joint.
+
+    ``cycles`` are its load cycles [Pa]. ``stresses`` [Pa] are those that were stated: where the
+    load turns if ``is_history``, else the maximum of all cycles.
+    """
+
+    cycles: tuple[LoadCycle, ...]
+    stresses: tuple[float, ...]
+    is_history: bool
+
+    @property
+    def largest(self) -> float:
+        """Largest stress [Pa], of the type in which it was stated."""
+        return max(self.stresses)
+
+
+def stated_load(
+    max_normal_stress: float | Sequence[float] | Load, cycles: int | None = None
+) -> Load:
+    """Return the load that is stated (see `Conditions`), or raise `InputError`.
+
+    A `Load` is returned as it is, unless another number of cycles is stated.
+    """
+    if isinstance(max_normal_stress, Load):
+        load = max_normal_stress
+        if cycles is None or cycles == len(load.cycles):
+            return load
+        return parsed_load(load.stresses, load.is_history, cycles)
+    if _is_history(max_normal_stress):
+        return parsed_load(tuple(cast(Sequence[float], max_normal_stress)), True, cycles)
+    return parsed_load((cast(float, max_normal_stress),), False, cycles)
+
+
+def parsed_load(given: tuple[float, ...], is_history: bool, cycles: int | None = None) -> Load:
+    """Return the load of the stresses [Pa] that are stated, or raise `InputError`."""
     if cycles is not None:
         check_count("cycles", cycles, 1, MOST_CYCLES)
-    given, history = _turns(max_normal_stress)
     if len(given) > 2 * MOST_CYCLES:
         raise InputError(
             f"max_normal_stress: has {len(given)} stresses, must have at most {2 * MOST_CYCLES}"
@@ -56,7 +87,7 @@ def load_cycles(
     for turn in given:
         check_number("max_normal_stress", turn)
     in_mpa = ", ".join(f"{1e-6 * turn:g}" for turn in given)
-    shown = f"(--stress) = {f'[{in_mpa}]' if history else in_mpa} MPa"
+    shown = f"(--stress) = {f'[{in_mpa}]' if is_history else in_mpa} MPa"
     stresses = [*map(float, given), *([0.0] if len(given) % 2 else [])]
     maxima = stresses[::2]
     minima = stresses[1::2]
@@ -70,14 +101,15 @@ def load_cycles(
                 f"{1e-6 * minimum:g} MPa must be at least 0 and below the maxima beside it "
                 f"({1e-6 * lowest:g} MPa)"
             )
-    if not history:
-        return (LoadCycle(maxima[0]),) * (USUAL_CYCLES if cycles is None else int(cycles))
+    if not is_history:
+        same = (LoadCycle(maxima[0]),) * (USUAL_CYCLES if cycles is None else int(cycles))
+        return Load(same, given, is_history)
     if cycles is not None and cycles != len(maxima):
         raise InputError(
             f"cycles = {cycles!r}: must be {len(maxima)}, the number of cycles of the load "
             f"history [{in_mpa}] MPa, or left out"
         )
-    return tuple(map(LoadCycle, maxima, minima))
+    return Load(tuple(map(LoadCycle, maxima, minima)), given, is_history)
 
 
 def usual_seating(least: float) -> float:
@@ -86,11 +118,11 @@ def usual_seating(least: float) -> float:
     return _SEATING_SHARE * least if low else SEATING_STRESS
 
 
-def _turns(stress: float | Sequence[float]) -> tuple[list[float], bool]:
-    """Return the stresses of a load, and whether it is a history, not a single maximum."""
-    many = isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
-    many |= isinstance(stress, np.ndarray) and stress.ndim == 1
-    return list(cast(Sequence[float], stress if many else [stress])), many
+def _is_history(stress: object) -> bool:
+    """Return whether a stated load is a sequence of stresses, and not a single maximum."""
+    if isinstance(stress, np.ndarray):
+        return stress.ndim == 1
+    return isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
 
 
 class Changes(TypedDict, total=False):
@@ -154,13 +186,18 @@ class Conditions(NamedTuple):
     unusual_values: bool = False
 
     @property
-    def load(self) -> tuple[LoadCycle, ...]:
-        """Checked load cycles [Pa] (`jointclosure.joint.conditions.load_cycles`)."""
-        return load_cycles(self.max_normal_stress, self.cycles)
+    def load(self) -> Load:
+        """Load [Pa]: of conditions that are not checked, that of `stated_load`, or `InputError`."""
+        return stated_load(self.max_normal_stress, self.cycles)
+
+    @property
+    def is_checked(self) -> bool:
+        """Whether these are conditions that `checked` returned, or a copy with other values."""
+        return isinstance(self.max_normal_stress, Load)
 
     @property
     def cycle_count(self) -> int:
-        return len(self.load)
+        return len(self.load.cycles)
 
     @property
     def grid_spacing(self) -> float:
@@ -172,7 +209,7 @@ class Conditions(NamedTuple):
     @property
     def largest_stress(self) -> float:
         """Largest normal stress of all cycles [Pa]."""
-        return max(_turns(self.max_normal_stress)[0])
+        return self.load.largest
 
     @property
     def model(self) -> tuple[Effects, Choices, Numerics]:
@@ -184,17 +221,18 @@ class Conditions(NamedTuple):
 
         Two stresses alone may have been meant as one number with a decimal comma.
         """
-        given = [f"{1e-6 * stress:g}" for stress in _turns(self.max_normal_stress)[0]]
-        cycles = self.cycle_count
-        load = f"{', '.join(given)} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
+        load = self.load
+        given = [f"{1e-6 * stress:g}" for stress in load.stresses]
+        cycles = len(load.cycles)
+        text = f"{', '.join(given)} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
         if len(given) == 2 and "." not in "".join(given):
             high, low = given
-            load += f" (up to {high} and down to {low} MPa; {high}.{low} MPa has a decimal point)"
-        return load
+            text += f" (up to {high} and down to {low} MPa; {high}.{low} MPa has a decimal point)"
+        return text
 
     def attributes(self) -> dict[str, Any]:
         """Return checked conditions as attributes of a dataset."""
-        load = self.load
+        load = self.load.cycles
         repeated = load == (LoadCycle(load[0].maximum),) * len(load)
         turns = [stress for cycle in load for stress in cycle]
         return model_attributes(self.rock, self.grid_spacing, *self.model) | {
@@ -203,25 +241,23 @@ class Conditions(NamedTuple):
         }
 
     def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
-        """Return the conditions with both rocks, number of cycles and seating stress filled in.
+        """Return the conditions with their values as simulations use them.
 
-        Raise `InputError` if a condition, or a stress [Pa] of the snapshots, is not allowed.
+        These are both rocks, the `Load`, its number of cycles and the seating stress. Raise
+        `InputError` if a condition, or a stress [Pa] of the snapshots, is not allowed.
         """
         pair: tuple[Rock, Rock] = both_walls(self.rock)
-        check_scene(self.effects)
-        check_numerics(self.numerics)
+        check_model(*self.model)
         if self.spacing is not None:
             check_length("spacing", self.spacing)
         load = self.load
-        largest = self.largest_stress
-        check_choices(self.choices, self.spacing or 0.0)
         if self.effects.breakage or self.numerics.solver == "reference":  # else turns are exact
-            _check_turns(load, self.numerics.stress_tolerance)
+            _check_turns(load.cycles, self.numerics.stress_tolerance)
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
-            for maximum in _turns(self.max_normal_stress)[0][::2]:
+            for maximum in load.stresses[::2]:
                 check_usual(pair, **given | {"max_normal_stress": maximum})
-        least = min(cycle.maximum for cycle in load)
+        least = min(cycle.maximum for cycle in load.cycles)
         seating = usual_seating(least) if self.seating_stress is None else self.seating_stress
         check_number("seating_stress", seating)
         if not 0.0 <= seating <= LARGEST_SEATING * least:
@@ -229,26 +265,63 @@ class Conditions(NamedTuple):
                 f"seating_stress = {seating!r} Pa: must be from 0 to {LARGEST_SEATING:g} of the "
                 f"smallest maximum of max_normal_stress, {least!r} Pa"
             )
-        for stress in snapshots:
-            check_number("snapshots", stress)
-            if not 0.0 <= stress <= largest:
-                raise InputError(
-                    f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal "
-                    f"stress, {1e-6 * largest:g} MPa"
-                )
-            if not self.unusual_values:
+        check_snapshots(snapshots, load)
+        if not self.unusual_values:
+            for stress in snapshots:
                 check_usual((), snapshots=stress)
-        stiffness = min(wall.youngs_modulus for wall in pair)
-        if largest >= stiffness:
-            raise InputError(
-                f"max_normal_stress = {largest!r} Pa: must be below the rock's "
-                f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
-            )
-        if self.effects.breakage:
-            from jointclosure.joint.feasibility import check_strength  # loads the solvers
+        checked = self._replace(
+            rock=pair,
+            max_normal_stress=cast(Any, load),  # the annotation has what a user may state
+            cycles=len(load.cycles),
+            seating_stress=float(seating),
+        )
+        check_together(checked)
+        return checked
 
-            check_strength(pair, float(largest), *self.model, self.spacing)
-        return self._replace(rock=pair, cycles=len(load), seating_stress=float(seating))
+
+def check_snapshots(snapshots: Sequence[float], load: Load) -> None:
+    """Raise `InputError` unless the stresses [Pa] of snapshots are from 0 to the largest one."""
+    for stress in snapshots:
+        check_number("snapshots", stress)
+        if not 0.0 <= stress <= load.largest:
+            raise InputError(
+                f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal "
+                f"stress, {1e-6 * load.largest:g} MPa"
+            )
+
+
+def check_together(conditions: Conditions) -> None:
+    """Raise `InputError` if values that are each allowed do not fit each other.
+
+    It is called for checked conditions, and again where one of their values was changed to
+    another allowed one. A radius is compared with the grid spacing if this is known.
+    """
+    check_crushed_strength(conditions.choices)
+    if conditions.spacing is not None:
+        check_radius(conditions.choices, conditions.spacing)
+    largest = conditions.largest_stress
+    stiffness = min(wall.youngs_modulus for wall in conditions.rock)
+    if largest >= stiffness:
+        raise InputError(
+            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
+            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+        )
+    if conditions.effects.breakage:
+        from jointclosure.joint.feasibility import check_strength  # loads the solvers
+
+        check_strength(conditions.rock, float(largest), *conditions.model, conditions.spacing)
+
+
+def on_grid(checked: Conditions, spacing: float) -> Conditions:
+    """Return checked conditions with the grid spacing [m] that the walls determine.
+
+    Raise `InputError` if it is unusual, or does not fit the other conditions.
+    """
+    if not checked.unusual_values:
+        check_usual((), spacing=spacing)
+    conditions = checked._replace(spacing=spacing)
+    check_together(conditions)
+    return conditions
 
 
 def check_named_stresses(stresses: Sequence[float], checked: Conditions) -> None:
@@ -306,18 +379,12 @@ resolved unless numerics are given, and scans determine the spacing."""
 
 
 def conditions_from(
-    conditions: Conditions | None,
-    changes: Mapping[str, Any],
-    function: str,
-    *required: str,
-    varied: bool = False,
+    conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
 ) -> Conditions:
     """Return ``conditions`` with the fields ``changes``, or new conditions with these fields.
 
-    Raise `TypeError` for an unknown field, and for new conditions without rock, maximum stress or
-    one of the ``required`` fields; the message names the ``function``. Raise `InputError` for a
-    setting that has no effect (`check_effective`). ``varied`` is whether the function also
-    simulates joints with fewer effects.
+    Values are not checked. Raise `TypeError` for an unknown field, and for new conditions without
+    rock, maximum stress or one of the ``required`` fields; the message names the ``function``.
     """
     needed = () if conditions else (*required, "rock", "max_normal_stress")
     inside = {
@@ -328,8 +395,19 @@ def conditions_from(
     }
     check_keywords(function, changes, Conditions._fields, needed, inside)
     if conditions is None:
-        stated = Conditions(**{"spacing": None, **changes})
-    else:
-        stated = conditions._replace(**changes)
-    check_effective(*stated.model, varied=varied)
-    return stated
+        return Conditions(**{"spacing": None, **changes})
+    return conditions._replace(**changes)
+
+
+def checked_as_stated(
+    stated: Conditions, snapshots: Sequence[float] = (), varied: bool = False
+) -> Conditions:
+    """Check the conditions that a user states, once for each call of a public function.
+
+    Return them as `Conditions.checked` does. Raise `InputError` if a value is not allowed, or a
+    setting was changed that has no effect (`check_effective`). ``varied`` is whether the function
+    also simulates joints with fewer effects.
+    """
+    checked = stated.checked(snapshots)
+    check_effective(*checked.model, varied=varied)
+    return checked

@@ -16,6 +16,9 @@ from jointclosure.joint.conditions import (
     Changes,
     Conditions,
     LoadCycle,
+    check_snapshots,
+    check_together,
+    checked_as_stated,
     conditions_from,
     model_attributes,
     takes_conditions,
@@ -38,8 +41,9 @@ from jointclosure.parameters import (
     Effects,
     Numerics,
     Rock,
-    check_choices,
     check_effective,
+    check_model,
+    check_radius,
     check_usual,
     in_double,
 )
@@ -130,12 +134,13 @@ def simulate(
     breakage the closure does not depend on the history: the steps are then
     ``Numerics.curve_points`` stresses (and the seating stress) up and down one curve.
     """
-    conditions = conditions_from(conditions, changes, "simulate", "spacing")
-    spacing = conditions.grid_spacing
+    stated = conditions_from(conditions, changes, "simulate", "spacing")
+    spacing = stated.grid_spacing
+    conditions = checked_as_stated(stated, snapshots)
     walls = checked_walls(upper, lower, spacing)
     if not conditions.unusual_values:
         warn_of_doubts(*walls, spacing)
-    simulation = Simulation(*walls, conditions.checked(snapshots), snapshots, pristine)
+    simulation = Simulation(*walls, conditions, snapshots, pristine)
     for doubt in [] if conditions.unusual_values else simulation.near_strength():
         warnings.warn(doubt, stacklevel=2)
     return simulation.run(report)
@@ -150,10 +155,18 @@ def simulate_walls(
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Simulate two walls (y, x) [m] as `simulate`, and accept unusual values."""
+    """Simulate two walls (y, x) [m] as `simulate`, and accept unusual values.
+
+    Conditions that were checked before, and maybe changed to other allowed values, are not checked
+    again; only whether their values fit each other is.
+    """
     walls = checked_walls(upper, lower, conditions.grid_spacing)
-    checked = conditions._replace(unusual_values=True).checked(snapshots)
-    return Simulation(*walls, checked, snapshots, pristine, solver_of).run(report)
+    if conditions.is_checked:
+        check_together(conditions)
+        check_snapshots(snapshots, conditions.load)
+    else:
+        conditions = conditions._replace(unusual_values=True).checked(snapshots)
+    return Simulation(*walls, conditions, snapshots, pristine, solver_of).run(report)
 
 
 NEAR_STRENGTH = 0.75
@@ -214,7 +227,7 @@ class Simulation:
         )
         self._strength = joint_strength(self.joint)
         largest = float(conditions.largest_stress)
-        cycles = len(conditions.load)
+        cycles = conditions.cycle_count
         if conditions.effects.breakage or self.solver.elastic_curve is None:
             check_feasible(self.joint, self._strength, largest, cycles)
         else:
@@ -266,7 +279,9 @@ class Simulation:
         if len(self.snapshots):
             tolerance = joint.numerics.stress_tolerance
             observers.append(Snapshots(self.snapshots, tolerance, self.datums))
-        forces = [LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load]
+        forces = [
+            LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load.cycles
+        ]
         seating_force = cast(float, conditions.seating_stress) * area
         history = cycling.run_cycles(joint, self.solver, forces, seating_force, report, observers)
         joint.upper += self.datums[0]
@@ -353,8 +368,9 @@ def equilibrium(
     pair = both_walls(rock)
     if isinstance(effects, Effects):  # else it is refused
         effects = effects._replace(breakage=False, gouge=False)
+    check_model(effects, choices, numerics)
     check_effective(effects, choices, numerics)
-    check_choices(choices, spacing)
+    check_radius(choices, spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")
@@ -395,7 +411,7 @@ def equilibrium(
 def _history_dataset(
     joint: Joint, history: cycling.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
-    load = conditions.load
+    load = conditions.load.cycles
     cycle, branch, settled, heights = zip(*history.steps, strict=True)
     attributes = {"title": "closure of a rough joint"} | conditions.attributes()
 

@@ -21,6 +21,7 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
     check_effective,
+    check_model,
     check_rock,
     check_usual,
 )
@@ -202,6 +203,7 @@ class AskedJoints(NamedTuple):
         """
         measured = self.measured
         joint = self.joint
+        check_model(joint.effects, joint.choices, numerics)
         check_effective(joint.effects, joint.choices, numerics, usual)
         return Conditions(
             self.walls.spacing, self.rock, float(measured.levels[-1]), 1, measured.seating,

@@ -341,21 +341,30 @@ def _check_fields(settings: Any, kind: type[NamedTuple]) -> None:
             check_inside(name, value, *hint.__metadata__)
 
 
-def check_choices(choices: Choices, spacing: float = 0.0) -> None:
-    """Raise `InputError` if a choice is out of its range for a grid spacing [m]."""
+def check_choices(choices: Choices) -> None:
+    """Raise `InputError` if a choice is out of its range."""
     _check_fields(choices, Choices)
+    check_crushed_strength(choices)
+    if choices.largest_radius is not None:
+        check_length("largest_radius", choices.largest_radius)
+
+
+def check_crushed_strength(choices: Choices) -> None:
+    """Raise `InputError` for a strength of crushed rock, if pristine peaks are not kept."""
     if choices.crushed_strength_ratio < 1.0 and choices.peaks == "current":
         raise InputError(
             f"crushed_strength_ratio = {choices.crushed_strength_ratio!r}: must be 1 with peaks = "
             "'current', where a pair's pristine state is not kept"
         )
-    if choices.largest_radius is not None:
-        check_length("largest_radius", choices.largest_radius)
-        if choices.largest_radius < spacing:
-            raise InputError(
-                f"largest_radius = {choices.largest_radius!r} m: must be at least the grid "
-                f"spacing, {spacing!r} m, as an asperity is a cell (or None: unbounded)"
-            )
+
+
+def check_radius(choices: Choices, spacing: float) -> None:
+    """Raise `InputError` if the largest radius of checked choices is below the spacing [m]."""
+    if choices.largest_radius is not None and choices.largest_radius < spacing:
+        raise InputError(
+            f"largest_radius = {choices.largest_radius!r} m: must be at least the grid "
+            f"spacing, {spacing!r} m, as an asperity is a cell (or None: unbounded)"
+        )
 
 
 def check_numerics(numerics: Numerics) -> None:
@@ -377,6 +386,13 @@ def check_numerics(numerics: Numerics) -> None:
                 f"breakage = 'resolved': not with {name} = {getattr(numerics, name)!r}, which is "
                 f"of the loop of the paper; use {needed!r}"
             )
+
+
+def check_model(effects: Effects, choices: Choices, numerics: Numerics) -> None:
+    """Raise `InputError` if an effect, a choice or a numerical setting is not allowed."""
+    check_scene(effects)
+    check_choices(choices)
+    check_numerics(numerics)
 
 
 class _Need(NamedTuple):
@@ -439,6 +455,9 @@ the library and unbounded in the paper, and breakage is resolved by `jointclosur
 """
 
 
+_USUAL_SETTINGS = Choices(), Numerics(), RESOLVED
+
+
 def without_effect(name: str, effects: Effects, choices: Choices, numerics: Numerics) -> str:
     """Return where a field of `Choices` or `Numerics` has no effect; "" if it acts."""
     model = effects, choices, numerics
@@ -452,19 +471,16 @@ def check_effective(
     usual: Numerics = Numerics(),
     varied: bool = False,
 ) -> None:
-    """Raise `InputError` for settings that are not allowed, or changed without any effect.
+    """Raise `InputError` for settings, checked by `check_model`, that were changed without effect.
 
     Usual values are accepted everywhere, so that effects can be left out without other changes:
     those of `Choices`, `Numerics` and `RESOLVED`, and those that are ``usual`` of a function.
     ``varied`` is whether effects are left out besides, in simulations that are compared.
     """
-    check_scene(effects)
-    check_choices(choices)
-    check_numerics(numerics)
     scenes = [effects]
     if varied:
         scenes += [fewer for fewer in well_posed_scenes() if _is_part(fewer, effects)]
-    usual_values = Choices(), Numerics(), RESOLVED, usual
+    usual_values = *_USUAL_SETTINGS, usual
     for name, value in (choices._asdict() | numerics._asdict()).items():
         if any(value == getattr(settings, name, None) for settings in usual_values):
             continue

@@ -18,7 +18,9 @@ from jointclosure.joint.conditions import (
     Changes,
     Conditions,
     check_named_stresses,
+    checked_as_stated,
     conditions_from,
+    on_grid,
     takes_scans,
 )
 from jointclosure.joint.cycling import Report
@@ -34,7 +36,7 @@ from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.joint.warmup import prepare_kernels
-from jointclosure.parameters import RESOLVED, check_choices
+from jointclosure.parameters import RESOLVED
 from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
@@ -48,6 +50,9 @@ from jointclosure.walls.wall_roughness import joint_jrc
 
 ANNOUNCED = 10.0
 """Expected processor time [s] of a range from which it is stated before."""
+
+
+_STOPPED = caution("the range was stopped: these are results of the joint alone")
 
 
 class ClosedJoint(NamedTuple):
@@ -207,84 +212,110 @@ def close(
     """
     if conditions is None:
         changes = {"numerics": RESOLVED} | changes
-    number_of_workers(workers)
     stated = conditions_from(conditions, changes, "close")
-    checked = stated.checked(snapshots)
+    checked = checked_as_stated(stated, snapshots)
     check_named_stresses(at, checked)
     check_joint_lengths(joint_length, lab_length)
-    if single and ranges:
-        raise InputError("ranges (--range): must be left out with single (--single)")
-    check_ranges(checked, ranges)
+    _check_range(checked, single, ranges, workers)
+    name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
+
     pair = registered_walls(
         upper,
         lower,
         {"units": units, "scan_spacing": scan_spacing, "variable": variable},
-        stated.spacing,
+        checked.spacing,
         orientation=orientation,
         shift=shift,
         spikes=spikes,
-        unusual_values=stated.unusual_values,
+        unusual_values=checked.unusual_values,
     )
-    check_choices(checked.choices, pair.spacing)  # lengths of the model against the cells
-    conditions = checked._replace(spacing=pair.spacing)
-    name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
+    conditions = on_grid(checked, pair.spacing)
     remark = _Remarks(printed=progress)
-    remark(pair.report, () if stated.unusual_values else pair.warnings)
-    uncertain = (
-        UncertainJoint(pair.upper, pair.lower, conditions)
-        if single
-        else uncertain_joint(
-            pair.upper, pair.lower, conditions, ranges, pair.errors, pair.finest[:2]
-        )
-    )
+    remark(pair.report, () if checked.unusual_values else pair.warnings)
+    uncertain = _joint_and_variants(pair, conditions, ranges, single)
     if progress:
         print(_description(pair, conditions, name))
-    of_noise = _about_noise(pair, uncertain.errors)
-    remark(of_noise)
+    noise = _about_noise(pair, uncertain.errors)
+    remark(noise)
+
     has_holes = bool(pair.holes.any())
     # of the force on holes there is a snapshot at the largest stress, which is given up again
     taken = (*snapshots, float(conditions.largest_stress)) if has_holes else snapshots
     simulation = Simulation(pair.upper, pair.lower, conditions, taken)
-    if not stated.unusual_values:
-        slow = simulation.near_strength()
-        remark(slow, slow)
-    cost = expected_cost(uncertain, workers)
-    if cost:
-        sentence = cost.sentence(pair.upper.shape, pair.spacing)
-        remark([sentence], [sentence])
-
+    slow = [] if checked.unusual_values else simulation.near_strength()
+    for doubts in (slow, _about_cost(uncertain, workers)):
+        remark(doubts, doubts)
     if not single:  # no part of the time of the joint, from which that of its range follows
         prepare_kernels([conditions.model])
-    start = time.process_time()
-    with closing_bar(checked.cycle_count) if progress else nullcontext(report) as watch:
-        history = simulation.run(watch)
-    of_range = seconds_of_range(uncertain, time.process_time() - start)
-    of_holes = _force_in_holes(pair, history) if has_holes else []
-    if has_holes:
-        history = with_snapshots(history, snapshots)
-    remark(of_holes, () if stated.unusual_values else cautions(of_holes))
-    pair = pair._replace(report=[*pair.report, *of_noise, *of_holes])
-    joint = ClosedJoint(pair, history, conditions, name, None, tuple(at), joint_length, lab_length)
-    if single or int(history.status) >= FAILURE:  # a failed joint has no range
-        return joint
+    history, seconds = _timed_run(simulation, report, progress)
+    holes = _force_in_holes(pair, history) if has_holes else []
+    remark(holes, () if checked.unusual_values else cautions(holes))
+    history = with_snapshots(history, snapshots) if has_holes else history
 
-    if progress and of_range > ANNOUNCED:
-        remark(
-            [
-                f"the range takes {len(uncertain.variants)} further simulations, together about "
-                f"{rough_time(of_range)} of processor time"
-            ]
-        )
+    budget = None
+    stopped = list[str]()
+    if not single and int(history.status) < FAILURE:  # a failed joint has no range
+        remark(_about_time_of_range(uncertain, seconds) if progress else [])
+        budget = _range(uncertain, history, at, workers, progress)
+        stopped = [] if budget else [_STOPPED]
+        remark(stopped)
+    pair = pair._replace(report=[*pair.report, *noise, *holes, *stopped])
+    lengths = joint_length, lab_length
+    return ClosedJoint(pair, history, conditions, name, budget, tuple(at), *lengths)
+
+
+def _check_range(
+    conditions: Conditions,
+    single: bool,
+    ranges: Mapping[str, tuple[float, float]],
+    workers: int | None,
+) -> None:
+    """Raise `InputError` if arguments of the range are not allowed, or given with ``single``."""
+    number_of_workers(workers)
+    if single and ranges:
+        raise InputError("ranges (--range): must be left out with single (--single)")
+    check_ranges(conditions, ranges)
+
+
+def _joint_and_variants(
+    pair: RegisteredPair,
+    conditions: Conditions,
+    ranges: Mapping[str, tuple[float, float]],
+    single: bool,
+) -> UncertainJoint:
+    """Return the joint of a registered pair, with the variants of its range unless ``single``."""
+    if single:
+        return UncertainJoint(pair.upper, pair.lower, conditions)
+    errors, finest = pair.errors, pair.finest[:2]
+    return uncertain_joint(pair.upper, pair.lower, conditions, ranges, errors, finest)
+
+
+def _timed_run(
+    simulation: Simulation, report: Report | None, progress: bool
+) -> tuple[xr.Dataset, float]:
+    """Run a simulation; return the history of the joint and the processor time [s]."""
+    start = time.process_time()
+    cycles = simulation.conditions.cycle_count
+    with closing_bar(cycles) if progress else nullcontext(report) as watch:
+        history = simulation.run(watch)
+    return history, time.process_time() - start
+
+
+def _range(
+    joint: UncertainJoint,
+    history: xr.Dataset,
+    at: Sequence[float],
+    workers: int | None,
+    progress: bool,
+) -> Budget | None:
+    """Return the range of the results of a joint; None if it was interrupted with ``progress``."""
     try:
         with bar("range") if progress else nullcontext(_no_bar) as show:
-            budget = uncertainty_budget(uncertain, history, show, workers, at)
+            return uncertainty_budget(joint, history, show, workers, at)
     except KeyboardInterrupt:
         if not progress:
             raise
-        stopped = caution("the range was stopped: these are results of the joint alone")
-        remark([stopped])
-        return joint._replace(pair=pair._replace(report=[*pair.report, stopped]))
-    return joint._replace(budget=budget)
+        return None
 
 
 class _Remarks:
@@ -309,6 +340,23 @@ def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -
     """Describe rock, grid and load of a joint before it is simulated."""
     cells = grid_text(pair.upper.shape, pair.spacing)
     return f"{rock_text(conditions.rock, rock_name)}; {cells}: {conditions.load_text()}"
+
+
+def _about_cost(joint: UncertainJoint, workers: int | None) -> list[str]:
+    """State the expected cost of a joint and its range, if the joint is large."""
+    cost = expected_cost(joint, workers)
+    return [cost.sentence(joint.upper.shape, joint.conditions.grid_spacing)] if cost else []
+
+
+def _about_time_of_range(joint: UncertainJoint, seconds: float) -> list[str]:
+    """State the time of a range, if it is long, from the time [s] that the joint itself took."""
+    of_range = seconds_of_range(joint, seconds)
+    if of_range <= ANNOUNCED:
+        return []
+    return [
+        f"the range takes {len(joint.variants)} further simulations, together about "
+        f"{rough_time(of_range)} of processor time"
+    ]
 
 
 def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:

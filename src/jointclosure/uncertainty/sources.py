@@ -150,10 +150,11 @@ def sources_of(
 def coarser(numerics: Numerics, factor: float) -> Numerics:
     """Return numerics with the tolerance and the steps that act multiplied by a factor."""
     steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
+    effects, choices = Effects(), Choices()
     scaled = {
         name: factor * getattr(numerics, name)
         for name in (*steps, "tolerance")
-        if not without_effect(name, Effects(), Choices(), numerics)
+        if not without_effect(name, effects, choices, numerics)
     }
     return numerics._replace(**scaled)
 
