@@ -87,7 +87,7 @@ def export_files(
     }
     form: dict[str, Any] = {"index": False, "float_format": f"%.{FIGURES}g"}
     files: dict[str, Any] = {f"{name}.csv": tables[name].to_csv(**form) for name in tables}
-    print(f"- {_NET}")
+    print(f"\nFiles\n- {_NET}")
     for remark in export_remarks(joint, cycle):
         print(f"- {remark}")
     of_laws = partial(barton_bandis_commands, laws=laws)

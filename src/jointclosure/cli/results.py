@@ -24,7 +24,7 @@ from jointclosure.joint.tables import (
 from jointclosure.statistics.number_texts import number_text, significant, with_equal_decimals
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
-from jointclosure.uncertainty.budget import NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
+from jointclosure.uncertainty.budget import MEASURED, NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 from jointclosure.uncertainty.results import APERTURE, FITTED, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
@@ -91,16 +91,22 @@ def summary(
 
     ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
     """
-    remarks = [*(budget.sentences() if budget else []), laws.sentence()]
-    remarks += _hyperbola_remarks(closed)
+    comparison = [laws.sentence(), *_hyperbola_remarks(closed)]
     if budget and laws.by_cycle:
-        remarks.append(_NO_RANGE_OF_LAWS)
-    remarks += _overlap_remarks(closed)
+        comparison.append(_NO_RANGE_OF_LAWS)
+    if budget:
+        comparison.insert(0, MEASURED)
+    apertures = _overlap_remarks(closed)
     if history_of(closed).has_flow:
-        remarks += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
-        remarks.append(_MEAN_OF_DIRECTIONS + (_NO_RANGE_OF_DIRECTIONS if budget else ""))
+        apertures += [*_flow_remarks(closed), *_stresses_without_aperture(curves)]
+        apertures.append(_MEAN_OF_DIRECTIONS + (_NO_RANGE_OF_DIRECTIONS if budget else ""))
     else:
-        remarks.append(_WITHOUT_FLOW)
+        apertures.append(_WITHOUT_FLOW)
+    remarks = {
+        "What the range is due to, and what it leaves out": budget.sentences() if budget else [],
+        "Measured joints and laws": comparison,
+        "Apertures": apertures,
+    }
     table = result_table(closed, laws, curves, budget)
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     head = (
@@ -112,28 +118,35 @@ def summary(
             " Brackets contain the results of 9 in 10 joints that have these scans and the stated "
             "properties."
         )
-    lines = [head, table.to_string()]
+    lines = ["", "Results", head, table.to_string()]
     choices = list(budget.choices) if budget is not None else []
     wider = pd.DataFrame()
     if budget is not None and choices:
         wider = budget.wider_table().rename(index=_of_hyperbola(closed))
-        lines += [budget.wider_title(), wider.to_string()]
+        lines += ["", _as_heading(budget.wider_title()), wider.to_string()]
     named = named_table(curves, at)
     if len(named):
-        lines += ["on loading, at the stresses that are named", named.to_string(index=False)]
+        lines += ["", "On loading, at the stresses that are named", named.to_string(index=False)]
     wider_named = named_table(curves, at, with_choices=True)
     if len(wider_named) and budget is not None:
-        lines += [f"the same, {budget.wider_title()}", wider_named.to_string(index=False)]
-    lines += [f"- {remark}" for remark in remarks]
+        lines += ["", f"The same, {budget.wider_title()}", wider_named.to_string(index=False)]
+    for heading, about in remarks.items():
+        if about:
+            lines += ["", heading, *(f"- {remark}" for remark in about)]
     answer = {
         "table": table.to_dict(),
         "with_other_choices": wider.to_dict(),
         "choices": choices,
         "at": named.to_dict("records"),
         "at_with_other_choices": wider_named.to_dict("records"),
-        "remarks": remarks,
+        "remarks": [remark for about in remarks.values() for remark in about],
     }
     return "\n".join(lines), answer
+
+
+def _as_heading(text: str) -> str:
+    """Return a text with a capital letter at its start."""
+    return text[:1].upper() + text[1:]
 
 
 def _hyperbola_remarks(closed: xr.Dataset) -> list[str]:

@@ -105,7 +105,7 @@ class Budget(NamedTuple):
     numerical: pd.DataFrame = pd.DataFrame(columns=["cycle", "quantity", "error", "scatter", "by"])
 
     def __str__(self) -> str:
-        return "\n".join([*self.tables(), *(f"- {line}" for line in self.sentences())])
+        return "\n".join([*self.tables(), *(f"- {line}" for line in [*self.sentences(), MEASURED])])
 
     def tables(self) -> list[str]:
         """Format the results, and below them the ranges with other choices of the model."""
@@ -115,7 +115,7 @@ class Budget(NamedTuple):
         return lines
 
     def sentences(self) -> list[str]:
-        """Describe what the range is due to, what it leaves out, and what is known of the model."""
+        """Describe what the range is due to, and what it leaves out."""
         closure = next(iter(QUANTITIES))
         cycles = self.ranges.index.unique("cycle")
         shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
@@ -154,7 +154,7 @@ class Budget(NamedTuple):
                 f"taken as exact, and not varied in the range: {names} (--range "
                 f"{key_of(exact[-1])} LOW HIGH, or ranges= in Python, adds their ranges)"
             )
-        return [*lines, MEASURED]
+        return lines
 
     def _undetermined(self) -> list[str]:
         """Describe how many joints have no constant of a hyperbola, and why."""

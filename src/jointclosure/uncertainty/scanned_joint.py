@@ -231,10 +231,10 @@ def close(
     )
     conditions = on_grid(checked, pair.spacing)
     remark = _Remarks(printed=progress)
-    remark(pair.report, () if checked.unusual_values else pair.warnings)
+    remark(pair.report, () if checked.unusual_values else pair.warnings, heading="Registration")
     uncertain = _joint_and_variants(pair, conditions, ranges, single)
     if progress:
-        print(_description(pair, conditions, name))
+        print(f"\nJoint\n{_description(pair, conditions, name)}")
     noise = _about_noise(pair, uncertain.errors)
     remark(noise)
 
@@ -324,9 +324,10 @@ class _Remarks:
     def __init__(self, printed: bool) -> None:
         self.printed = printed
 
-    def __call__(self, lines: Sequence[str], doubts: Sequence[str] = ()) -> None:
+    def __call__(self, lines: Sequence[str], doubts: Sequence[str] = (), heading: str = "") -> None:
         if self.printed:
-            print("".join(f"- {line}\n" for line in lines), end="", flush=True)
+            first = [f"{heading}\n"] if heading else []
+            print("".join([*first, *(f"- {line}\n" for line in lines)]), end="", flush=True)
             return
         for doubt in doubts:
             warnings.warn(without_word(doubt), stacklevel=3)  # at the line that called `close`
