@@ -40,6 +40,7 @@ from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import check_ranges
+from jointclosure.uncertainty.tested_domain import beyond_tested
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
@@ -240,6 +241,7 @@ def close(
     if progress:
         print(_description(pair, conditions, name))
     of_noise = _about_noise(pair, uncertain.errors)
+    of_noise += [] if single else beyond_tested(pair)
     remark(of_noise)
     has_holes = bool(pair.holes.any())
     # of the force on holes there is a snapshot at the largest stress, which is given up again
