@@ -39,6 +39,7 @@ from jointclosure.uncertainty.ranges import WIDER
 from jointclosure.uncertainty.results import CLOSURE_NET, CONTACT, KNI, STIFFNESS, VM, results_of
 from jointclosure.uncertainty.scanned_joint import ClosedJoint
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, sources_of
+from jointclosure.uncertainty.tested_domain import TESTED
 from jointclosure.uncertainty.variants import Variant, variants_of
 from jointclosure.walls.gridding import usual_grid_spacing
 
@@ -60,8 +61,9 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
     cells = int(random.integers(32, 47)) * round(usual_grid_spacing(cell) / cell)
     stated = {
         "cell": cell, "cells": cells, "cloud": False, "over": False,
-        "rotation": random.uniform(-7.0, 7.0), "tilt": random.uniform(0.0, 3.0),
-        "noise": 1e-6 * random.uniform(0.0, 15.0), "jrc": random.uniform(5.0, 15.0),
+        "rotation": random.uniform(-TESTED.rotation, TESTED.rotation),
+        "tilt": random.uniform(0.0, TESTED.tilt),
+        "noise": 1e-6 * random.uniform(0.0, 1e6 * TESTED.noise), "jrc": random.uniform(5.0, 15.0),
         "mating": 0.5e-3 * 8.0 ** random.random(),
     }  # fmt: skip
     rock = jc.Rock(

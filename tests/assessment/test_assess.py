@@ -83,6 +83,35 @@ def of_joint(within, apart=0.0, budget=None, **changes):
     return Assessment(closed, LADDER, "middle", within, budget).sentences[1]
 
 
+def concluded(within=0.05, joints=1, budget=None, **changes):
+    closed = closures(joints=joints, **{"scatter": 1e-4, "middle": 0.01} | changes)
+    return str(Assessment(closed, LADDER, "middle", within, budget)).splitlines()[-1]
+
+
+@pytest.mark.parametrize("joints", [1, 8])
+def test_the_last_line_names_the_cheapest_setting_and_the_effects_that_are_needed(joints):
+    said = concluded(joints=joints, effect=0.3)
+    assert said.startswith("Conclusion: the cheapest setting ")
+    assert "meets the request of 5 % is middle; its error is up to " in said
+    assert "s of processor time. Effects that must be kept: gouge." in said
+    said = concluded(joints=joints, effect=0.0)
+    assert said.endswith(" Effects that may be left out: gouge.")
+
+
+def test_the_last_line_says_that_no_setting_meets_a_request():
+    assert concluded(within=1e-5).startswith("Conclusion: no setting meets the request of 0.001 %.")
+    unstable = concluded(oracle_ratio=2.0)
+    assert unstable.startswith(
+        "Conclusion: no setting meets the request of 5 %, because a joint is"
+    )
+
+
+def test_the_last_line_does_not_claim_an_error_of_the_finest_setting():
+    said = concluded(within=0.001, budget=None)
+    assert "is fine; its error is not known, and its copies scatter by " in said
+    assert "most accurate setting that meets the budget of 2 s is middle" in concluded(budget=2.0)
+
+
 def test_a_request_below_the_scatter_of_copies_is_said_to_be_impossible():
     """The errors of all settings are equal on both copies, which alone seems to suffice."""
     words = (

@@ -18,7 +18,7 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.effect_names import lacks_effects, without
+from jointclosure.assessment.effect_names import effects_of, lacks_effects, without
 from jointclosure.compilation.code_digests import code_digest
 from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.execution.workers import Failed, in_processes, number_of_workers
@@ -87,6 +87,14 @@ NEEDED_AS_FAILS = "needed: fails"
 """Verdict on effects without which a joint fails."""
 GIVEN_UP = "not tested: too long"
 """Verdict on effects without which a joint exceeds `MOST_BREAKAGE_STEPS`."""
+_IN_WORDS = {
+    "can be left out": "may be left out",
+    "needed": "must be kept",
+    NEEDED_AS_FAILS: "must be kept",
+    "not decided": "are not decided",
+    GIVEN_UP: "were not tested",
+}
+"""Verdicts on effects in the words of a sentence."""
 MOST_BREAKAGE_STEPS = 2e4
 """Breakage steps, over the number of cells, after which a joint without an effect is given up.
 
@@ -218,7 +226,63 @@ class Assessment:
     def __str__(self) -> str:
         effects = self.effects.filter(regex="^(?!net st|aperture)")
         tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
-        return "\n\n".join([*tables, "\n".join(f"- {line}" for line in self.sentences)])
+        lines = "\n".join(f"- {line}" for line in self.sentences)
+        return "\n\n".join([self.about_intervals, *tables, lines, self.conclusion])
+
+    @property
+    def about_intervals(self) -> str:
+        """Say what the differences in the tables are from, and what their brackets are."""
+        of = "copies of this joint, which should be equal" if self._lone else "the joints"
+        return (
+            "Differences are from the finest setting, or from the joint with all effects. Brackets "
+            f"have 95 % intervals, from the scatter of {of}."
+        )
+
+    @property
+    def conclusion(self) -> str:
+        """State the cheapest setting that meets the request, and the effects that are needed."""
+        asked = f"the request of {100 * self.within:g} %"
+        if self.budget is not None:
+            asked = f"the budget of {self.budget:g} s"
+        if self.hardness.verdict[0] == "not stable":
+            setting = f"no setting meets {asked}, because a joint is not stable"
+        else:
+            setting = self._best_for_joint(asked) if self._lone else self._best_for_mean(asked)
+        names = self._seconds.index.to_series()
+        groups: dict[str, list[str]] = {}
+        for variant in names[lacks_effects(names)]:
+            groups.setdefault(_IN_WORDS[self.verdict(variant)], []).append(effects_of(variant))
+        verdicts = [f"Effects that {words}: {'; '.join(groups[words])}." for words in groups]
+        return " ".join([f"Conclusion: {setting}.", *verdicts])
+
+    def _best_for_joint(self, asked: str) -> str:
+        """Name the setting by which a lone joint meets what is asked, with its error and time."""
+        seconds = self._seconds
+        reached = self._reached
+        budget = self.budget
+        limited, limit = (reached, self.within) if budget is None else (seconds, budget)
+        allowed = [n for n in self.ladder if math.isfinite(reached[n]) and limited[n] <= limit]
+        if not allowed:
+            return f"no setting meets {asked}"
+        name = min(allowed, key=lambda n: seconds[n] if budget is None else reached[n])
+        error = f"its error is up to {percent(reached[name])}"
+        if name == self.ladder[-1]:
+            error = f"its error is not known, and its copies scatter by {percent(reached[name])}"
+        best = "cheapest" if budget is None else "most accurate"
+        time = f"{seconds[name]:.2g} s of processor time"
+        return f"the {best} setting that meets {asked} is {name}; {error}, and it takes {time}"
+
+    def _best_for_mean(self, asked: str) -> str:
+        """Name the setting by which a mean meets what is asked, with its error and time."""
+        if (best := self._best_plan) is None:
+            return f"no setting meets {asked}"
+        name, plan = best
+        kind = "cheapest" if self.budget is None else "most accurate"
+        return (
+            f"the {kind} setting whose mean meets {asked} is {name}; its error is up to "
+            f"{percent(plan.half_width)} with {plan.joints} joints, which take "
+            f"{plan.seconds:.3g} s of processor time"
+        )
 
     @property
     def _lone(self) -> bool:
@@ -325,15 +389,11 @@ class Assessment:
         *cheaper, finest = self.ladder
         budget = self.budget
         seconds = self._seconds
-        rows = self.differences[self.differences.quantity.isin(JUDGED)]
-        errors = rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
+        errors = self._errors
         scatter = self._scatter
+        reached = self._reached
         if not math.isfinite(scatter[finest]):
             return f"no error can be stated, because copies failed with {finest}"
-        reached = {finest: scatter[finest]}  # its error is not known
-        for name in cheaper:
-            both = errors[name], scatter[name]
-            reached[name] = max(both) if all(map(math.isfinite, both)) else math.inf
         limited, limit = (reached, self.within) if budget is None else (seconds, budget)
         allowed = [name for name in cheaper if limited[name] <= limit]
         takes = f"{finest}, the finest setting, takes {seconds[finest]:.2g} s of processor time"
@@ -365,6 +425,26 @@ class Assessment:
         )
 
     @property
+    def _errors(self) -> pd.Series:
+        """Largest ends of the intervals of judged differences from their reference [1]."""
+        rows = self.differences[self.differences.quantity.isin(JUDGED)]
+        return rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
+
+    @property
+    def _reached(self) -> dict[str, float]:
+        """Largest of error and scatter of a lone joint [1] by setting, infinite if not known.
+
+        The error of the finest setting is not known, and does not count.
+        """
+        *cheaper, finest = self.ladder
+        scatter = self._scatter
+        reached = {finest: scatter[finest]}
+        for name in cheaper:
+            both = self._errors[name], scatter[name], scatter[finest]
+            reached[name] = max(both[:2]) if all(map(math.isfinite, both)) else math.inf
+        return reached
+
+    @property
     def _scatter(self) -> dict[str, float]:
         """Largest relative deviation among copies of a lone joint [1], by setting."""
         settings = ((name, self.closures[self.closures.variant == name]) for name in self.ladder)
@@ -377,15 +457,13 @@ class Assessment:
         """Describe how many joints a mean within the request takes, or what a budget allows."""
         finest = self.ladder[-1]
         budget = self.budget
-        plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
-        if not plans and budget is None:
+        best = self._best_plan
+        if best is None and budget is None:
             return f"no mean can be planned, as fewer than two joints succeeded with {finest}"
-        if not plans:
+        if best is None:
             least = FEWEST * float(self._seconds[finest])
             return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
-        of = "seconds" if budget is None else "half_width"
-        name = min(plans, key=lambda name: getattr(plans[name], of))
-        plan = plans[name]
+        name, plan = best
         halves = []
         further = f", {plan.differences} of them with {finest} too" if name != finest else ""
         for cycle in self._cycles:
@@ -399,6 +477,13 @@ class Assessment:
             f"(deviations of {self.closures.joint.nunique()} joints; their mean is known to "
             f"{', '.join(halves)})"
         )
+
+    @property
+    def _best_plan(self) -> tuple[str, Plan] | None:
+        """Setting with the cheapest plan, or with the most accurate one within a budget."""
+        plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
+        of = "seconds" if self.budget is None else "half_width"
+        return min(plans.items(), key=lambda each: getattr(each[1], of), default=None)
 
     def _plan(self, name: str) -> Plan | None:
         """Return the plan of a mean with a setting that suffices for all judged closures.

@@ -38,6 +38,11 @@ def without(effects: Sequence[str]) -> str:
     return f"{_WITHOUT}{joined(effects)}"
 
 
+def effects_of(variant: str) -> str:
+    """Return the words on the effects that a scene named by `without` leaves out."""
+    return variant.removeprefix(_WITHOUT)
+
+
 def lacks_effects(variants: pd.Series) -> pd.Series:
     """Return which variants of a scene are ones without effects, by their names (`without`)."""
     return variants.str.startswith(_WITHOUT)

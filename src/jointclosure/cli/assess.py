@@ -45,7 +45,11 @@ def run(arguments: argparse.Namespace) -> int:
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)
     settings = {"upper": walls[0], "lower": walls[1], **scans, **grid, **stated, **asked}
-    record = {"sentences": assessment.sentences, "title": title} | results.attributes(settings)
+    record = {
+        "sentences": assessment.sentences,
+        "conclusion": assessment.conclusion,
+        "title": title,
+    } | results.attributes(settings)
     written: dict[str, Any] = {
         "closures.csv": assessment.closures,
         "differences.csv": assessment.differences,

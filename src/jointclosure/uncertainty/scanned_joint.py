@@ -42,6 +42,7 @@ from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
 from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import check_ranges
+from jointclosure.uncertainty.tested_domain import beyond_tested
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
 from jointclosure.walls.registration import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
@@ -236,6 +237,7 @@ def close(
     if progress:
         print(f"\nJoint\n{_description(pair, conditions, name)}")
     noise = _about_noise(pair, uncertain.errors)
+    noise += [] if single else beyond_tested(pair)
     remark(noise)
 
     has_holes = bool(pair.holes.any())

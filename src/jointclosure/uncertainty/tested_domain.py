@@ -1,0 +1,53 @@
+"""Pairs of walls on which ranges of results were tested, and walls that are unlike them."""
+
+from typing import NamedTuple
+
+from jointclosure.walls.registration import RegisteredPair
+
+
+class Domain(NamedTuple):
+    """Largest rotation and tilt [degrees] of the upper scan, and largest noise [m] of each scan.
+
+    Rotations count from the nearest quarter turn, which lays the nodes of a grid on nodes.
+    """
+
+    rotation: float
+    tilt: float
+    noise: float
+
+
+TESTED = Domain(rotation=7.0, tilt=3.0, noise=15e-6)
+"""Pairs of known truth of benchmarks/range_coverage.py, by which ranges of apertures and
+transmissivity were tested."""
+
+
+def beyond_tested(pair: RegisteredPair) -> list[str]:
+    """Say in a sentence by what registered walls are outside of the `TESTED` domain, if they are.
+
+    Noise is beyond it if its 95 % interval is.
+    """
+    rotation = abs((pair.motion.angle + 45.0) % 90.0 - 45.0)
+    reasons = []
+    if rotation > TESTED.rotation:
+        reasons.append(
+            f"the upper wall was turned by {rotation:.3g} degrees from a quarter turn of the grid "
+            f"(tested: up to {TESTED.rotation:g})"
+        )
+    if pair.motion.tilt > TESTED.tilt:
+        reasons.append(
+            f"the upper wall was tilted by {pair.motion.tilt:.3g} degrees (tested: up to "
+            f"{TESTED.tilt:g})"
+        )
+    reasons += [
+        f"the noise of the {side} wall is at least {1e6 * low:.2g} um (tested: up to "
+        f"{1e6 * TESTED.noise:g})"
+        for side, low, _ in pair.scan_noise
+        if low > TESTED.noise
+    ]
+    if not reasons:
+        return []
+    return [
+        f"ranges of apertures and transmissivity were not tested on such walls: "
+        f"{'; '.join(reasons)}; they may contain the truth less often than stated "
+        "(docs/two_scans.md#how-often-ranges-contain-the-truth)"
+    ]
