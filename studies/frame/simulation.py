@@ -93,11 +93,6 @@ def close_points(
     for point in points:
         report(", ".join(f"{name} {value}" for name, value in point.coordinates.items()))
         parts.append(close_joints(point, walls or point.walls(), names, report=report))
-    return joined_points(parts)
-
-
-def joined_points(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Join the joints of several points along ``joint``."""
     # joints of fewer cycles than others of their file have NaN in the later ones
     return xr.concat(
         parts,

@@ -1,13 +1,12 @@
 """Simulate joints of a rock's base case with other numerics and effects, on its surfaces."""
 
 from itertools import islice
-from pathlib import Path
 
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.storage.logs import logging_to
 from jointclosure.storage.netcdf import write_netcdf
-from studies.frame.kept_points import KeptPoints
 from studies.frame.settings import walls_in
+from studies.frame.simulation import close_points
 from studies.frame.yaml_files import provenance
 
 if __name__ == "__main__":
@@ -17,8 +16,6 @@ if __name__ == "__main__":
         walls = list(islice(walls_in(snakemake.input.surfaces, settings), settings.realizations))
         # before a joint is timed
         prepare_kernels(point.settings.conditions.model for point in points)
-        kept = KeptPoints(Path(snakemake.output[0]).with_suffix(""), snakemake.params.key)
-        joints = kept.closed(points, quantities, log, walls)
+        joints = close_points(points, quantities, log, walls)
         joints = joints.assign_attrs(provenance(snakemake.config) | {"key": snakemake.params.key})
         write_netcdf(joints, snakemake.output[0])
-        kept.remove()
