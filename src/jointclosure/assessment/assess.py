@@ -327,7 +327,7 @@ class Assessment:
         seconds = self._seconds
         rows = self.differences[self.differences.quantity.isin(JUDGED)]
         errors = rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
-        scatter = self._scatter
+        scatter = self._spread_of_copies
         if not math.isfinite(scatter[finest]):
             return f"no error can be stated, because copies failed with {finest}"
         reached = {finest: scatter[finest]}  # its error is not known
@@ -365,7 +365,7 @@ class Assessment:
         )
 
     @property
-    def _scatter(self) -> dict[str, float]:
+    def _spread_of_copies(self) -> dict[str, float]:
         """Largest relative deviation among copies of a lone joint [1], by setting."""
         settings = ((name, self.closures[self.closures.variant == name]) for name in self.ladder)
         return {

@@ -148,7 +148,7 @@ def _last_from_seating(joint: xr.Dataset, curves: pd.DataFrame) -> int | None:
     from_seating = [
         cycle.number
         for cycle in history.cycles
-        if cycle.loading.exists
+        if cycle.loading.has_steps
         and history.stress[cycle.loading.steps].min() <= history.seating_stress
         and cycle.number in known
     ]
@@ -174,7 +174,9 @@ def _of_loading(joint: xr.Dataset, cycle: int, option: str = "--cycles 1") -> st
     return f"{about}; {option} gives the first loading"
 
 
-def _loading(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[str, pd.DataFrame]:
+def _last_loading_by_ending(
+    joint: xr.Dataset, curves: pd.DataFrame, program: str
+) -> dict[str, pd.DataFrame]:
     """Return the rows of the last loading that begins at seating, by endings of files.
 
     The ending "" is that of the joint, the others of `_OF_BAND` are those of ends of bands that are
@@ -256,7 +258,7 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, program: str) -> dict[s
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
     law = LAWS["hyperbolic"]
-    loadings = _loading(joint, curves, program)
+    loadings = _last_loading_by_ending(joint, curves, program)
     cycle = int(loadings[""].cycle.iloc[0])
     former = history.former_maxima[cycle - 1]
     if former:
@@ -321,7 +323,7 @@ def porepy_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, dict[str,
     """
     hyperbolas = _hyperbolas(joint, curves, "PorePy")
     if history_of(joint).has_flow:
-        top = _loading(joint, curves, "PorePy")[""].iloc[-1]
+        top = _last_loading_by_ending(joint, curves, "PorePy")[""].iloc[-1]
         ratio = top.hydraulic_aperture_mm / top.mean_aperture_mm
         text = f"{ratio:.2g} times it" if np.isfinite(ratio) else "not known"
         text = "0 (blocked)" if ratio == 0.0 else text
@@ -432,7 +434,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """
     if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    parts = _loading(joint, curves, "GEOS")
+    parts = _last_loading_by_ending(joint, curves, "GEOS")
     closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
@@ -508,7 +510,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str
     """
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title = CURVES[column][0].removesuffix(" (mm)")
-    parts = _loading(joint, curves, "GEOS")
+    parts = _last_loading_by_ending(joint, curves, "GEOS")
     cycle = int(parts[""].cycle.iloc[0])
     lines = [f"  <!-- of the loading of {_of_loading(joint, cycle, 'option cycles 1')} -->"]
     about = _about_ranges(curves, "_low", "_high", "_with_choices")
