@@ -150,6 +150,6 @@ def mean_shown(name: str, values: np.ndarray) -> Estimate:
     The mean of stiffnesses is harmonic.
     """
     shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
-    if QUANTITIES[name].harmonic:
+    if QUANTITIES[name].has_harmonic_mean:
         return harmonic_mean(shown)
     return ratio_of_means(shown, np.ones(shown.size))

@@ -55,7 +55,7 @@ def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
 
 FUNCTIONS = '''
 from functools import partial
-from jointclosure.statistics import indifference as b, correlations as p
+from jointclosure.statistics import indifference as b, quadratics as p
 
 LIMIT = 3
 
@@ -80,10 +80,10 @@ def paired(values):
         ("functions.py", "Some text", "Other text", set()),
         ("functions.py", "LIMIT = 3", "LIMIT = 4", {"bootstrapped"}),
         ("functions.py", "p.mean", "p.median", {"paired"}),
-        ("functions.py", "correlations as p", "verdicts as p", {"paired"}),
+        ("functions.py", "quadratics as p", "verdicts as p", {"paired"}),
         ("functions.py", "indifference as b", "verdicts as b", {"bootstrapped"}),
         ("statistics/indifference.py", "import numpy as np", "import numpy as n", {"bootstrapped"}),
-        ("statistics/correlations.py", "numpy as np", "numpy as n", {"bootstrapped", "paired"}),
+        ("statistics/quadratics.py", "numpy as np", "numpy as n", {"bootstrapped", "paired"}),
         ("statistics/__init__.py", '"""\n', '"""\nADDED = 1\n', set()),
     ],
 )

@@ -168,7 +168,7 @@ def mean_changes(
             values = values[both]
             before = before[both]
             mean = mean_shown(name, values)
-            harmonic = QUANTITIES[name].harmonic
+            harmonic = QUANTITIES[name].has_harmonic_mean
             ratio = ratio_of_means(*((1 / before, 1 / values) if harmonic else (values, before)))
             row = {"response": name, "value": mean.value, "error": mean.standard_error}
             row["change_percent"] = 100.0 * (ratio.value - 1.0)

@@ -120,12 +120,14 @@ def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Ite
             cheap = np.concatenate([cheap[:pairs][both], cheap[alone]])
             fine = fine[both]
             at = about | {"cycle": cycle, "quantity": name, "unit": unit}
-            estimate = _mean(1.0 / cheap, 1.0 / fine) if quantity.harmonic else _mean(cheap, fine)
+            estimate = (
+                _mean(1.0 / cheap, 1.0 / fine) if quantity.has_harmonic_mean else _mean(cheap, fine)
+            )
             low, high = sorted(
-                _in_shown_unit(end, scale, quantity.harmonic) for end in estimate[0][1:]
+                _in_shown_unit(end, scale, quantity.has_harmonic_mean) for end in estimate[0][1:]
             )
             value, own = (
-                _in_shown_unit(x, scale, quantity.harmonic)
+                _in_shown_unit(x, scale, quantity.has_harmonic_mean)
                 for x in (estimate[0].value, estimate.study)
             )
             shown = estimate._replace(interval=Interval(value, low, high), study=own)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure import parameters
-from jointclosure.statistics.correlations import fit_quadratic
+from jointclosure.statistics.quadratics import fit_quadratic
 from jointclosure.statistics.repetitions import DrawnResponse
 from jointclosure.statistics.standard_errors import Limits
 from jointclosure.statistics.verdicts import FALLS, STANDS, verdict

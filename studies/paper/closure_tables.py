@@ -10,7 +10,7 @@ import xarray as xr
 
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics import control_variates, correlations, indifference
+from jointclosure.statistics import control_variates, indifference, quadratics
 from jointclosure.statistics import standard_errors as errors
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.randomness import generator, seed_of
@@ -143,15 +143,15 @@ def _coefficients(response: Response, size: float) -> dict:
         (_OF_DEVIATION, deviations, errors.deviation_covariance(samples, paired)),
     ):
         row |= dict(
-            zip(names, correlations.fit_quadratic(levels, values, base).in_parameter(), strict=True)
+            zip(names, quadratics.fit_quadratic(levels, values, base).in_parameter(), strict=True)
         )
-        in_parameter = correlations.quadratic_errors(levels, covariance, base).in_parameter
+        in_parameter = quadratics.quadratic_errors(levels, covariance, base).in_parameter
         row |= {f"{name}_standard_error": e for name, e in zip(names, in_parameter, strict=True)}
     if paired:
-        return row | {"lack_of_fit_p": correlations.paired_lack_of_fit(levels, samples)}
-    fit = correlations.fit_quadratic(levels, means, base)
+        return row | {"lack_of_fit_p": quadratics.paired_lack_of_fit(levels, samples)}
+    fit = quadratics.fit_quadratic(levels, means, base)
     return row | {
-        "lack_of_fit_p": correlations.lack_of_fit(levels, means, deviations, samples.shape[1], fit)
+        "lack_of_fit_p": quadratics.lack_of_fit(levels, means, deviations, samples.shape[1], fit)
     }
 
 
@@ -175,13 +175,13 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
         estimates = dict.fromkeys(("", "_net", "_adjusted"), _UNKNOWN)
         for suffix, response in (("", gross), ("_net", net)):
             if response.samples.shape[1] > 1 and response.base != 0.0:
-                estimates[suffix] = correlations.elasticity(
+                estimates[suffix] = quadratics.elasticity(
                     response.levels, response.samples, response.base, response.paired
                 )
         if gross.covariates is not None and gross.base != 0.0:
             values, known, _ = gross.covariates
             means = control_variates.adjusted_means(gross.samples, values, known, gross.paired)
-            estimates["_adjusted"] = correlations.elasticity_of(gross.levels, *means, gross.base)
+            estimates["_adjusted"] = quadratics.elasticity_of(gross.levels, *means, gross.base)
         for suffix, estimate in estimates.items():
             row |= estimate_columns(f"elasticity{suffix}", estimate)
             row[f"elasticity{suffix}_shown"] = rounded(*estimate)
@@ -311,8 +311,8 @@ def _linear_length(
     """Return t sqrt(2/n) S/|slope| [SI]: the length if mean and deviation are straight lines."""
     if isinstance(interval, indifference.PairedInterval):
         return interval.linear_length
-    mean = correlations.fit_quadratic(response.levels, response.means, response.base)
-    deviation = correlations.fit_quadratic(response.levels, response.deviations, response.base).d
+    mean = quadratics.fit_quadratic(response.levels, response.means, response.base)
+    deviation = quadratics.fit_quadratic(response.levels, response.deviations, response.base).d
     slope = mean.c / mean.half_range
     n = response.samples.shape[1]
     return interval.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf

@@ -20,8 +20,8 @@ import xarray as xr
 from jointclosure.joint.cycle_results import loop_between
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import repetitions as repeated
-from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.quadratics import Quadratic, fit_quadratic
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, Estimate, Limits, confidence_limits
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, frequency

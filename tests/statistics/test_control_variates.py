@@ -14,8 +14,8 @@ from jointclosure.statistics.control_variates import (
     adjusted_values,
     fewest_surfaces,
 )
-from jointclosure.statistics.correlations import elasticity_of
 from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.statistics.quadratics import elasticity_of
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import Estimate, confidence_limits, deviation_of
 

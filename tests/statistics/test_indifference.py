@@ -9,7 +9,6 @@ from hypothesis import given
 
 import jointclosure as jc
 from jointclosure.statistics import indifference
-from jointclosure.statistics.correlations import Quadratic, fit_quadratic, lack_of_fit
 from jointclosure.statistics.indifference import (
     _largest_isolated_roots,
     _largest_quartic_roots,
@@ -20,6 +19,7 @@ from jointclosure.statistics.indifference import (
     paired_indifference_interval,
     quartic,
 )
+from jointclosure.statistics.quadratics import Quadratic, fit_quadratic, lack_of_fit
 from jointclosure.statistics.randomness import generator
 
 LEVELS = np.array([70.0, 78.0, 85.0])

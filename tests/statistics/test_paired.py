@@ -5,12 +5,12 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
 from jointclosure.statistics.indifference import (
     difference_scatter,
     p_of_difference,
     paired_indifference_interval,
 )
+from jointclosure.statistics.quadratics import fit_quadratic, paired_lack_of_fit
 from jointclosure.statistics.randomness import generator
 
 LEVELS = np.array([70.0, 78.0, 86.0])

@@ -13,7 +13,7 @@ def test_the_interval_of_a_mismatch_wavelength_ends_where_the_likelihood_ratio_i
     monkeypatch,
 ):
     """Of a wavelength whose logarithm has a normal likelihood: 1.96 standard deviations off."""
-    monkeypatch.setattr(mating_module, "_ring_powers", lambda *walls: ())
+    monkeypatch.setattr(mating_module, "_power_ratios", lambda *walls: ())
     monkeypatch.setattr(
         mating_module, "_profile_likelihood", lambda tried: -0.5 * (np.log(tried / 4e-3) / 0.2) ** 2
     )
@@ -83,7 +83,7 @@ def test_a_band_of_half_an_octave_is_named_by_its_middle():
     assert np.abs(np.delete(found.correlation, [band - 1, band, band + 1])).max() < 0.5
 
 
-def test_correlations_over_shifts_are_those_of_the_definition():
+def test_quadratics_over_shifts_are_those_of_the_definition():
     rng = np.random.default_rng(3)
     fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
     fixed[2, 3] = moved[4, 1] = np.nan

@@ -393,7 +393,7 @@ class Assessment:
         budget = self.budget
         seconds = self._seconds
         errors = self._errors
-        scatter = self._scatter
+        scatter = self._spread_of_copies
         reached = self._reached
         if not math.isfinite(scatter[finest]):
             return f"no error can be stated, because copies failed with {finest}"
@@ -440,7 +440,7 @@ class Assessment:
         The error of the finest setting is not known, and does not count.
         """
         *cheaper, finest = self.ladder
-        scatter = self._scatter
+        scatter = self._spread_of_copies
         reached = {finest: scatter[finest]}
         for name in cheaper:
             both = self._errors[name], scatter[name], scatter[finest]
@@ -448,7 +448,7 @@ class Assessment:
         return reached
 
     @property
-    def _scatter(self) -> dict[str, float]:
+    def _spread_of_copies(self) -> dict[str, float]:
         """Largest relative deviation among copies of a lone joint [1], by setting."""
         settings = ((name, self.closures[self.closures.variant == name]) for name in self.ladder)
         return {

@@ -159,7 +159,7 @@ def _of_loading(joint: xr.Dataset, cycle: int) -> str:
     return about
 
 
-def _loading(
+def _loading_by_ending(
     joint: xr.Dataset, curves: pd.DataFrame, program: str, cycle: int
 ) -> dict[str, pd.DataFrame]:
     """Return the rows of the loading of a cycle, by endings of files.
@@ -172,7 +172,7 @@ def _loading(
     loading = history.cycles[cycle - 1].loading
     known = _known_loadings(joint, curves)
     rows = known[known.cycle == cycle]
-    begins = loading.exists and history.stress[loading.steps].min() <= history.seating_stress
+    begins = loading.has_steps and history.stress[loading.steps].min() <= history.seating_stress
     if rows.empty or not begins:
         raise InputError(
             f"{program}: the loading of cycle {cycle} does not begin at or below the seating "
@@ -248,7 +248,7 @@ def _hyperbolas(
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
     law = LAWS["hyperbolic"]
-    loadings = _loading(joint, curves, program, cycle)
+    loadings = _loading_by_ending(joint, curves, program, cycle)
     former = history.former_maxima[cycle - 1]
     if former:
         raise InputError(
@@ -314,7 +314,7 @@ def porepy_files(
     """
     hyperbolas = _hyperbolas(joint, curves, "PorePy", cycle)
     if history_of(joint).has_flow:
-        top = _loading(joint, curves, "PorePy", cycle)[""].iloc[-1]
+        top = _loading_by_ending(joint, curves, "PorePy", cycle)[""].iloc[-1]
         ratio = top.hydraulic_aperture_mm / top.mean_aperture_mm
         text = f"{ratio:.2g} times it" if np.isfinite(ratio) else "not known"
         text = "0 (blocked)" if ratio == 0.0 else text
@@ -417,7 +417,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> dict[
     """
     if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    parts = _loading(joint, curves, "GEOS", cycle)
+    parts = _loading_by_ending(joint, curves, "GEOS", cycle)
     closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
@@ -492,7 +492,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
     """
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title = CURVES[column][0].removesuffix(" (mm)")
-    parts = _loading(joint, curves, "GEOS", cycle)
+    parts = _loading_by_ending(joint, curves, "GEOS", cycle)
     lines = [f"  <!-- of the loading of {_of_loading(joint, cycle)} -->"]
     about = _about_ranges(curves, "_low", "_high", "_with_choices")
     lines += [f"  <!-- {line} -->" for line in about]

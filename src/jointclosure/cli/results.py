@@ -172,7 +172,7 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
     """Return cautions about maxima at which the mean overlap exceeds the mean aperture left."""
     remarks: list[str] = []
     for cycle in history_of(closed).cycles:
-        if not cycle.unloading.exists:
+        if not cycle.unloading.has_steps:
             continue
         at_maximum = closed.isel(step=cycle.unloading.steps[0])
         overlap = 1e3 * float(at_maximum.mean_overlap)

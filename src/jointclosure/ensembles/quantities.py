@@ -65,7 +65,7 @@ class Quantity(NamedTuple):
         return {"long_name": self.title} | unit | dict(self.further)
 
     @property
-    def harmonic(self) -> bool:
+    def has_harmonic_mean(self) -> bool:
         """Whether its mean over joints is harmonic, as for stiffnesses: that of the mean curve."""
         return self.unit == "Pa/m"
 

@@ -65,10 +65,10 @@ def _work(history: History, branch: Branch) -> float:
 
 
 def largest_jump(joint: xr.Dataset) -> float:
-    """Return the largest closure of a loading at constant stress, over its whole closure [1].
+    """Return the largest jump of a joint: closure at constant stress over that of its loading [1].
 
-    It is the closure from a peak of the stress to where the loading exceeds this peak, in which a
-    group of asperities breaks at once. It is the largest of all cycles.
+    A jump is the closure from a peak of the stress to where the loading exceeds this peak. A group
+    of asperities breaks at once in it. The largest jump of all cycles counts.
     """
     history = history_of(joint)
     shares = []
@@ -90,7 +90,7 @@ def largest_jump(joint: xr.Dataset) -> float:
 
 
 def loop_between(loading: Any, unloading: Any) -> Any:
-    """Return closures of unloading less those of loading at the same stress, 0 within rounding."""
+    """Return closures of unloading less those of loading at the same stress; 0 within rounding."""
     loop = unloading - loading
     return loop * (abs(loop) > _LOOP_ROUNDING * abs(loading))
 

@@ -32,7 +32,7 @@ from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled, Solver
 FLAG_OF_OUTCOME = dict(zip(list(Outcome)[1:], _FAILURES, strict=True))
 Observer = Callable[[Joint, "Step"], None]
 """Called with the joint at every step of the history, in order; must not change the joint."""
-Report = Callable[[int, str, float], None]
+StepReport = Callable[[int, str, float], None]
 """Called at every accepted step with its cycle, branch, and force over the cycle's maximum."""
 
 _SMALLEST_STEP = 1e-6  # share of a step, or the closure if less, below which stresses may jump
@@ -173,7 +173,7 @@ def run_cycles(
     solver: Solver,
     cycles: Sequence[LoadCycle],
     seating_force: float = 0.0,
-    report: Report | None = None,
+    report: StepReport | None = None,
     observers: Sequence[Observer] = (),
 ) -> StepRecord:
     """Load a joint to the maximum of each cycle and unload it to its minimum, both in N.

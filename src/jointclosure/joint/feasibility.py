@@ -140,7 +140,7 @@ def _check_not_crushed(
 
 
 def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
-    """Raise `InputError` for too many steps of an elastic history.
+    """Raise `InputError` if an elastic history of some ``cycles`` has too many steps.
 
     At most `_ELASTIC_STEPS` times `Numerics.most_steps` are allowed.
     """

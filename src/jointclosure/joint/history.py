@@ -51,7 +51,7 @@ class Branch:
     steps: np.ndarray
 
     @property
-    def exists(self) -> bool:
+    def has_steps(self) -> bool:
         """Whether the branch has a step besides its start."""
         return self.steps.size > 1
 
@@ -214,7 +214,7 @@ class History:
         """Generate the branches that have steps, with their place (cycle, branch) in arrays."""
         for index, cycle in enumerate(self.cycles):
             for side, branch in enumerate(cycle.branches):
-                if branch.exists:
+                if branch.has_steps:
                     yield (index, side), branch
 
     def unloaded_cycles(self, minima: np.ndarray) -> Iterator[tuple[int, Cycle]]:
@@ -223,7 +223,7 @@ class History:
         ``minima`` (cycles,) [Pa] are these stresses.
         """
         for index, (cycle, minimum) in enumerate(zip(self.cycles, minima, strict=False)):
-            whole = cycle.loading.exists and cycle.unloading.exists
+            whole = cycle.loading.has_steps and cycle.unloading.has_steps
             if whole and self.stress[cycle.unloading.steps[-1]] <= minimum:
                 yield index, cycle
 
@@ -245,7 +245,7 @@ class History:
         loading = cycle.loading
         former = self.stress[self.load_cycle < cycle.number].max(initial=0.0)
         within = 1.0 + _LANDING_TOLERANCES * self.numerics["stress_tolerance"]
-        if not loading.exists or self.stress[loading.steps].max() <= former * within:
+        if not loading.has_steps or self.stress[loading.steps].max() <= former * within:
             return np.inf
         step = "displacement_step" if cycle.number == 1 else "later_displacement_step"
         rises = np.diff(self.gross.values[loading.steps])
@@ -379,7 +379,7 @@ class Curve:
         """
         history = self.history
         loading = history.branch(cycle, LOADING)
-        if not loading.exists:
+        if not loading.has_steps:
             return np.nan
         reached = float(history.stress[loading.steps].max())
         levels = np.array([low, min(high, reached, history.landing_stresses[cycle - 1])])

@@ -361,12 +361,10 @@ def laws_of_joint(
 ) -> JointLaws:
     """Return the laws of a joint of a JRC, whose JCS is the compressive ``strength`` [Pa].
 
-    Its walls are not weathered.
-
-    They are those of the first ``cycles``, at most three, and count from the ``seating`` stress
-    [Pa]. There are none if the scaled JRC is out of range (`law_holds`), and a cycle with a
-    constant that is not positive is left out. With a ``joint_length`` [m] the JRC and JCS of the
-    laboratory length are scaled to it.
+    JCS is that of walls that are not weathered. The laws are those of the first ``cycles``, at most
+    three, and count from the ``seating`` stress [Pa]. There are none if the scaled JRC is out of
+    range (`law_holds`), and a cycle with a constant that is not positive is left out. With a
+    ``joint_length`` [m] the JRC and JCS of the laboratory length are scaled to it.
     """
     laws = JointLaws(jrc, strength, seating, {}, joint_length, lab_length)
     known = CYCLES[: cycles if law_holds(laws.scaled[0]) else 0]

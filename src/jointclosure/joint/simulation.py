@@ -57,7 +57,7 @@ def simulate(
     lower: ArrayLike,
     *,
     conditions: Conditions | None = None,
-    report: cycling.Report | None = None,
+    report: cycling.StepReport | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     **changes: Unpack[Changes],
@@ -150,7 +150,7 @@ def simulate_walls(
     upper: ArrayLike,
     lower: ArrayLike,
     conditions: Conditions,
-    report: cycling.Report | None = None,
+    report: cycling.StepReport | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
@@ -194,8 +194,8 @@ class Simulation:
     Raises
     ------
     InputError
-        If what takes both walls and conditions is wrong: the steps against the heights, or the
-        number of steps.
+        If the walls and the conditions do not fit each other: displacement steps are below the
+        rounding of the heights, or more steps are foreseen than ``numerics`` allow.
     """
 
     def __init__(
@@ -207,7 +207,7 @@ class Simulation:
         pristine: Sequence[ArrayLike] | None = None,
         solver_of: Callable[[str], Solver] = solver_named,
     ) -> None:
-        _check_steps(upper, lower, conditions.numerics)
+        _check_step_lengths(upper, lower, conditions.numerics)
         choices = in_double(conditions.choices)
         numerics = in_double(conditions.numerics)
         self._has_run = False
@@ -260,7 +260,7 @@ class Simulation:
             "(docs/hard_cases.md#near-the-strength)"
         ]
 
-    def run(self, report: cycling.Report | None = None) -> xr.Dataset:
+    def run(self, report: cycling.StepReport | None = None) -> xr.Dataset:
         """Return the history of the joint, as `simulate` does; ``report`` is as there.
 
         Raise `RuntimeError` the second time, because the walls of the joint are then crushed.
@@ -411,6 +411,7 @@ def equilibrium(
 def _history_dataset(
     joint: Joint, history: cycling.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
+    """Arrange the record of a simulated joint of an area [m2] as the Dataset of `simulate`."""
     load = conditions.load.cycles
     cycle, branch, settled, heights = zip(*history.steps, strict=True)
     attributes = {"title": "closure of a rough joint"} | conditions.attributes()
@@ -477,13 +478,14 @@ def _variables(*groups: tuple[Any, Mapping[str, Any]]) -> dict[str, tuple[Any, .
 
 
 def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
+    """Return coordinates [m] of the cells of a grid of a shape (y, x), with their attributes."""
     return {
         name: (name, np.arange(size) * spacing, {"long_name": f"{name} of the cell", "units": "m"})
         for name, size in zip(("y", "x"), shape, strict=True)
     }
 
 
-def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
+def _check_step_lengths(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
     """Refuse displacement steps smaller than the rounding of the heights."""
     resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
     for name in ("displacement_step", "later_displacement_step"):

@@ -24,7 +24,7 @@ def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarra
     walls = []
     for name, wall in zip(("upper", "lower"), _aligned(upper, lower), strict=True):
         if spacing is not None and isinstance(wall, xr.DataArray):
-            _check_steps(name, wall, spacing)
+            _check_coordinate_steps(name, wall, spacing)
         heights = real_array(name, wall)
         if heights.ndim != 2 or min(heights.shape) < 1 or max(heights.shape) < 3:
             raise InputError(
@@ -77,7 +77,7 @@ def _by_names(name: str, wall):
     return wall
 
 
-def _check_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
+def _check_coordinate_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
     """Raise `InputError` if a wall's coordinates are not a grid of the given spacing [m]."""
     for axis in wall.dims:
         if axis not in wall.coords or wall[axis].size < 2 or wall[axis].dtype.kind not in "fiu":

@@ -461,7 +461,7 @@ def _quantity_of_heading(cell: str) -> str:
 
 
 def _is_number(cell: str) -> bool:
-    """Return whether a cell has a number."""
+    """Return whether a cell of the file is a number."""
     try:
         float(cell)
     except ValueError:
@@ -497,7 +497,7 @@ _OF_SCATTER = 5.0
 
 
 def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Raise `InputError` if a curve is not one that joints can be compared with.
+    """Raise `InputError` if a curve cannot be compared with simulated joints.
 
     Its points must be in the order of the cycles, without spikes, and of usual signs and sizes.
     Each cycle must have one loading, from at or below ``seating`` [Pa] to above it, and its

@@ -38,8 +38,9 @@ _MOST_SMOOTHED = 50
 class MeasuredBranch(NamedTuple):
     """Points (n,) of a branch in ascending order of stress [Pa] and closure [m].
 
-    ``points`` are the numbers of measured points in each; ``errors`` (n,) the standard error of
-    each closure at its stress [m], by the scatter of the points; 0 where points are as measured.
+    ``points`` (n,) are the numbers of measured points of which each one is the mean. ``errors``
+    (n,) [m] are standard errors of the closures from the scatter of these points, 0 where a point
+    is as measured.
     ``scatter`` are standard deviations of a measured stress [Pa] and closure [m].
     """
 
@@ -77,7 +78,7 @@ def scatter_of(values: np.ndarray) -> float:
 
 
 def smoothed(stress: np.ndarray) -> np.ndarray:
-    """Return the moving average of stresses (n,) that scatter, others as they are."""
+    """Return the moving average of stresses (n,) if they scatter, else the stresses."""
     width = 1
     if scatter := scatter_of(stress):
         width = round(stress.size / _number_of_means(stress.size, np.ptp(stress), scatter))

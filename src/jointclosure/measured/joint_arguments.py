@@ -37,7 +37,7 @@ SPACING = 0.25e-3
 
 
 class SimulatedWalls(NamedTuple):
-    """Walls of simulated joints: random, of a JRC from a range, or scanned, of a digest."""
+    """Walls of simulated joints: random ones with a JRC from a range, or scans by their digest."""
 
     jrc: tuple[float, float]
     shape: tuple[int, int]
@@ -309,7 +309,7 @@ def _read_curve(
 
 
 def _cells_of_joint(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:
-    """Return the cells (y, x) of the simulated joints, of a stated side or ``shape``."""
+    """Return the cells (y, x) of the simulated joints, from the stated side [m] or ``shape``."""
     check_positive("spacing", spacing, "m")
     if given.size is not None:
         check_positive("size", given.size, "m")

@@ -156,7 +156,7 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
 
 
 def _reading_errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
-    """Compute standard errors (n,) [m] of readings of averaged points, None where none are."""
+    """Compute standard errors (n,) [m] of readings of averaged points; None if none are."""
     cycles = {cycle: curve.ascending(cycle) for cycle in curve.cycles}
     if not any(branch.errors.any() for both in cycles.values() for branch in both.values()):
         return None

@@ -101,7 +101,7 @@ class Region(NamedTuple):
         return list(dict.fromkeys(map(mechanism_of, self.compared)))
 
     def nearest(self, mechanism: str) -> tuple[int, int, int]:
-        """Return the place of least distance: indices of `joints_of`, wavelength and strength."""
+        """Return the indices of the largest p-value: in `joints_of`, of wavelength and strength."""
         p_values = self.p_values(mechanism)
         number, i, j = np.unravel_index(int(p_values.argmax()), p_values.shape)
         return int(number), int(i), int(j)
@@ -151,7 +151,7 @@ class Region(NamedTuple):
         return pd.DataFrame(rows)
 
     def p_value(self, mechanism: str) -> float:
-        """Return the probability that a nearest joint is as far from the mean as the measured."""
+        """Return the probability that a nearest joint is as far from their mean as the curve is."""
         return float(self.p_values(mechanism).max())
 
     def compatible(self, mechanism: str) -> bool:

@@ -43,7 +43,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from jointclosure.inputs import InputError, check_count, check_number, check_sizes, real_array
-from jointclosure.statistics.correlations import Quadratic, fit_quadratic
+from jointclosure.statistics.quadratics import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import resampled
 
 NEGLIGIBLE_ROOT = 1e-30  # share of the bound of all roots below which one is due to rounding

@@ -11,7 +11,7 @@ import xarray as xr
 from jointclosure.execution.workers import in_threads
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.cycle_results import largest_jump
-from jointclosure.joint.cycling import Report
+from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS
 from jointclosure.joint.rocks import both_walls
@@ -121,7 +121,7 @@ class Budget(NamedTuple):
         shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
         lines = [
             f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources: "
-            f"{self._shares(cycle, closure)}"
+            f"{self._shares_text(cycle, closure)}"
             for cycle in shown
         ]
         lines.append(f"shares of sources: {self.about_shares()}")
@@ -300,7 +300,7 @@ class Budget(NamedTuple):
         """Return how many joints with random values of all sources were simulated."""
         return int(self.results[self.results.source == ALL].value.nunique())
 
-    def _shares(self, cycle: int, quantity: str) -> str:
+    def _shares_text(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "registration 60 %"."""
         shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna().astype(float)
         shown = shares[shares >= LEAST_SHARE].sort_values(ascending=False).index
@@ -317,9 +317,9 @@ def uncertainty_budget(
     workers: int | None = None,
     at: Sequence[float] = (),
 ) -> Budget:
-    """Return the uncertainty budget of a joint.
+    """Simulate the variants of a joint and return its uncertainty budget.
 
-    The joint is simulated with each source changed alone, and with all at random. ``closed`` is the
+    Variants have one source changed, or random values of all sources. ``closed`` is the
     history of the joint itself, if it is simulated already. ``report`` receives the finished share
     and the name of the variant. ``at`` are stresses [Pa] that curves have besides round ones.
     """
@@ -331,7 +331,7 @@ def uncertainty_budget(
     levels = history_of(closed).table_levels(at)
     known = stress_table(closed, levels)
 
-    def tables_of(variant: Variant, going_on: Report) -> tuple[pd.DataFrame, pd.DataFrame]:
+    def tables_of(variant: Variant, going_on: StepReport) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the rows of a variant, and its curves; values are unknown if it failed."""
         history = joint.simulated(variant, going_on) if variant.source else closed
         status = -1 if history is None else int(history.status)

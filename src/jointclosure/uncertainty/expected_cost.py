@@ -80,7 +80,10 @@ def seconds_of_range(joint: UncertainJoint, seconds: float) -> float:
 
 
 def _variants_over_joint(joint: UncertainJoint, power: float) -> float:
-    """Return the time of the variants of a joint over its own, by a power of their cells."""
+    """Return the time of all variants over that of the joint [1].
+
+    The time is taken to grow with the ``power`` of the number of cells.
+    """
     return sum(v.step ** (-2.0 * power) for v in joint.variants)
 
 
@@ -102,7 +105,7 @@ def seconds_of_joint(
 
 
 def relative_cost(effects: Effects, numerics: Numerics) -> float:
-    """Return about how many times as long a joint takes as by the paper's steps and all effects."""
+    """Estimate the time of a joint over that with the paper's steps and all effects [1]."""
     if not effects.breakage:
         return NO_BREAKAGE_COST
     cost = 1.0

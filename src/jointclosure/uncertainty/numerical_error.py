@@ -94,8 +94,8 @@ def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
     -------
     DataFrame
         One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
-        other steps are known), the ``scatter`` of the joint with all steps and copies, as
-        `log_scatter`, and ``by`` which steps and copies.
+        other steps are known), and ``scatter``, as `log_scatter`, of the joint, its copies and
+        those with other steps; ``by`` describes these steps and copies.
     """
     rows = []
     for cycle, here in results.groupby("cycle"):

@@ -23,7 +23,7 @@ from jointclosure.joint.conditions import (
     on_grid,
     takes_scans,
 )
-from jointclosure.joint.cycling import Report
+from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import (
     LAB_LENGTH,
@@ -89,7 +89,7 @@ class ClosedJoint(NamedTuple):
     def __repr__(self) -> str:
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
         table = cycle_table(self.history)
-        net, gross = (self._closures(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
+        net, gross = (self._closures_text(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
             f"<ClosedJoint: {self.description}, closes {net} mm net ({gross} mm gross) since "
@@ -119,7 +119,7 @@ class ClosedJoint(NamedTuple):
         lengths = self.joint_length, self.lab_length
         return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count, *lengths)
 
-    def _closures(self, column: str, table: pd.DataFrame) -> str:
+    def _closures_text(self, column: str, table: pd.DataFrame) -> str:
         """Format a closure of each cycle, with its range if that is known."""
         if self.budget is None:
             return ", ".join(f"{value:.4g}" for value in table[column])
@@ -141,7 +141,7 @@ def close(
     single: bool = False,
     ranges: Mapping[str, tuple[float, float]] = {},
     workers: int | None = None,
-    report: Report | None = None,
+    report: StepReport | None = None,
     snapshots: Sequence[float] = (),
     at: Sequence[float] = (),
     joint_length: float | None = None,
@@ -236,9 +236,9 @@ def close(
     uncertain = _joint_and_variants(pair, conditions, ranges, single)
     if progress:
         print(f"\nJoint\n{_description(pair, conditions, name)}")
-    noise = _about_noise(pair, uncertain.errors)
-    noise += [] if single else beyond_tested(pair)
-    remark(noise)
+    noise_remarks = _about_noise(pair, uncertain.errors)
+    noise_remarks += [] if single else beyond_tested(pair)
+    remark(noise_remarks)
 
     has_holes = bool(pair.holes.any())
     # of the force on holes there is a snapshot at the largest stress, which is given up again
@@ -250,8 +250,8 @@ def close(
     if not single:  # no part of the time of the joint, from which that of its range follows
         prepare_kernels([conditions.model])
     history, seconds = _timed_run(simulation, report, progress)
-    holes = _force_in_holes(pair, history) if has_holes else []
-    remark(holes, () if checked.unusual_values else cautions(holes))
+    hole_remarks = _force_in_holes(pair, history) if has_holes else []
+    remark(hole_remarks, () if checked.unusual_values else cautions(hole_remarks))
     history = with_snapshots(history, snapshots) if has_holes else history
 
     budget = None
@@ -261,7 +261,7 @@ def close(
         budget = _range(uncertain, history, at, workers, progress)
         stopped = [] if budget else [_STOPPED]
         remark(stopped)
-    pair = pair._replace(report=[*pair.report, *noise, *holes, *stopped])
+    pair = pair._replace(report=[*pair.report, *noise_remarks, *hole_remarks, *stopped])
     lengths = joint_length, lab_length
     return ClosedJoint(pair, history, conditions, name, budget, tuple(at), *lengths)
 
@@ -293,7 +293,7 @@ def _joint_and_variants(
 
 
 def _timed_run(
-    simulation: Simulation, report: Report | None, progress: bool
+    simulation: Simulation, report: StepReport | None, progress: bool
 ) -> tuple[xr.Dataset, float]:
     """Run a simulation; return the history of the joint and the processor time [s]."""
     start = time.process_time()

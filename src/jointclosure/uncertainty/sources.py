@@ -96,8 +96,8 @@ def sources_of(
 ) -> dict[str, Source]:
     """Return the sources of uncertainty of a joint of (ny, nx) cells by name.
 
-    ``ranges`` are stated ones of `VARIED`, ``errors`` those of scanned walls. Raise `InputError` if
-    a range is not allowed.
+    ``ranges`` are stated ranges [SI] of sources in `VARIED`, ``errors`` those of scanned walls.
+    Raise `InputError` if a range is not allowed.
     """
     check_ranges(conditions, ranges)
     effects = conditions.effects
@@ -160,7 +160,7 @@ def coarser(numerics: Numerics, factor: float) -> Numerics:
 
 
 def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
-    """Return the source of a number that the joint has and that may be between two ends."""
+    """Return the source of a number between two ends, which are moved to contain the joint's."""
     low = min(joint, ends[0])
     high = max(joint, ends[1])
     part = (

@@ -1,4 +1,4 @@
-"""A joint of which not all is known, and its variants."""
+"""A joint with the sources of its uncertainty, and its variants."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -10,7 +10,7 @@ import xarray as xr
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.cycling import Report
+from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.uncertainty.sources import Source, sources_of
 from jointclosure.uncertainty.variants import Variant, variants_of
@@ -21,13 +21,13 @@ CELLS = 2_000_000  # of all joints that are simulated at the same time; each cel
 
 
 class UncertainJoint(NamedTuple):
-    """A joint and what is not known of it, made once by `uncertain_joint`.
+    """A joint, the sources of its uncertainty and the variants that follow from them.
 
     ``upper`` and ``lower`` are its walls (y, x) [m], ``conditions`` as `Conditions.checked` returns
-    them with the grid spacing, ``errors`` those of scanned walls. ``sources`` of uncertainty, by
-    name, make the ``variants`` of the joint; a joint without a range has none. The errors refer to
-    the walls ``finest``, on a finer grid if the scans do not resolve it; by default they are
-    ``upper`` and ``lower``.
+    them with the grid spacing. ``errors`` are those of scanned walls. ``sources`` are by name;
+    a joint without a range has no sources and no ``variants``. ``finest`` are the walls (y, x) [m]
+    to which the errors refer: by default ``upper`` and ``lower``, or walls on the finer grid of
+    scans that do not resolve it (`jointclosure.walls.registration.FineWalls`).
     """
 
     upper: np.ndarray
@@ -43,8 +43,11 @@ class UncertainJoint(NamedTuple):
         """Number of cells of its largest variant."""
         return max(self.upper.size, self.errors.cells if self.errors else 0)
 
-    def simulated(self, variant: Variant, report: Report | None = None) -> xr.Dataset | None:
-        """Simulate a variant; None if it is refused, such as for more steps than allowed."""
+    def simulated(self, variant: Variant, report: StepReport | None = None) -> xr.Dataset | None:
+        """Simulate a variant and return its history, or None if the variant is refused.
+
+        It is refused if its values do not fit each other, or if it needs more steps than allowed.
+        """
         with suppress(InputError):
             walls = variant.walls(*(self.finest or (self.upper, self.lower)), self.errors)
             return simulate_walls(*walls, variant.conditions, report)

@@ -112,9 +112,9 @@ def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = No
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
         finer = f"finer than the scan, whose points are {1e3 * distance:.4g} mm apart"
         raise InputError(f"grid spacing {1e3 * spacing:g} mm: {finer}")
-    level = _heights_less_plane(scan)
+    bare = _heights_less_plane(scan)
     if isinstance(scan, Scan):
-        return _resampled(Scan(level, scan.spacing), spacing, (0.0, 0.0))
+        return _resampled(Scan(bare, scan.spacing), spacing, (0.0, 0.0))
     places = scan.points[:, :2]
     low, high = (places.min(axis=0), places.max(axis=0)) if box is None else box
     ny, nx = node_counts(low, high, spacing)
@@ -124,7 +124,7 @@ def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = No
             f"{len(places)} points lie in {x:.4g} x {y:.4g} mm (x, y), {ny} x {nx} cells of the "
             f"grid: must be at most {MOST_CELLS_PER_POINT} cells for each point"
         )
-    return interpolate_heights(places, level, grid_nodes(low, (ny, nx), spacing), REACH * distance)
+    return interpolate_heights(places, bare, grid_nodes(low, (ny, nx), spacing), REACH * distance)
 
 
 def node_counts(low: np.ndarray, high: np.ndarray, spacing: float) -> tuple[int, int]:
@@ -155,7 +155,10 @@ def sample_grid(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan
 
 
 def _heights_less_plane(scan: Scan | Cloud) -> np.ndarray:
-    """Return heights of a scan [m] less their least-squares plane; NaN remain."""
+    """Return heights of a scan [m] less their least-squares plane; NaN remain.
+
+    Raise `InputError` if fewer than four are known, or the plane is steeper than `LARGEST_TILT`.
+    """
     if isinstance(scan, Cloud):
         x, y, heights = scan.points.T
     else:

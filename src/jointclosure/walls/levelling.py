@@ -1,4 +1,4 @@
-"""Rotation of inclined scans, so that heights are normal to the mean plane.
+"""Levelling: rotation of inclined scans, so that heights are normal to the mean plane.
 
 Heights less an inclined plane are those of a sheared wall: its slopes along the dip are larger by
 1 / cos^2 of the inclination (12 % at 19 degrees), and its places closer by the cosine.

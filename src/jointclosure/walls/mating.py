@@ -100,7 +100,7 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     shortest = 2.0 * spacing
     longest = 0.5 * length
     tried = np.geomspace(0.5 * shortest, 4.0 * longest, _TRIED)
-    fit = _profile_likelihood(*_ring_powers(upper, lower, spacing), tried)
+    fit = _profile_likelihood(*_power_ratios(upper, lower, spacing), tried)
     best = int(fit.argmax())
     within = tried[fit > fit[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)]
     wave = 1.0 / tried[best]
@@ -115,13 +115,13 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     return Mismatch(*limited)
 
 
-def _ring_powers(
+def _power_ratios(
     upper: np.ndarray, lower: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return what `measured_mismatch` compares in each ring of wave numbers, each (rings,).
+    """Return the ratios of power from which `measured_mismatch` finds the wavelength.
 
-    These are the mean wave number [1/m], the power of the sum of both walls over that of their
-    difference, and the number of independent waves.
+    For each ring of wave numbers, (rings,): its mean wave number [1/m], the power of the sum of
+    both walls over that of their difference, and the number of independent waves.
     """
     apart, along = (np.abs(_windowed_waves(wall)) ** 2 for wall in (upper + lower, upper - lower))
     wave = _wave_numbers(upper.shape, spacing)

@@ -5,7 +5,7 @@ import scipy
 
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls.gridding import Cloud, Scan, points_of
-from jointclosure.walls.planes import plane_through
+from jointclosure.walls.planes import detrended_points
 
 NEIGHBOURS = 8  # nearest points with which the height of a point is compared
 ROUNDS = 4  # most rounds of spike removal: higher spikes hide others
@@ -86,13 +86,13 @@ def spike_heights(points: np.ndarray) -> np.ndarray:
         if len(left) <= NEIGHBOURS:
             break
         x, y, heights = points[left].T
-        level = heights - plane_through(x, y, heights).at(x, y)
+        bare = detrended_points(x, y, heights)
         places = points[left, :2]
         near = scipy.spatial.cKDTree(places).query(places, k=NEIGHBOURS + 1)[1][:, 1:]
-        around = np.sort(level[near], axis=1)
-        usual = np.median(np.abs(level[near] - level[:, None]))
-        up = level - around[:, -2]
-        down = around[:, 1] - level
+        around = np.sort(bare[near], axis=1)
+        usual = np.median(np.abs(bare[near] - bare[:, None]))
+        up = bare - around[:, -2]
+        down = around[:, 1] - bare
         heights = np.where(up >= down, up, -down)
         sharp = np.abs(heights) > 8.0 * usual  # self-affine walls reach 2
         if not sharp.any():

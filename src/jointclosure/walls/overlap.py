@@ -12,7 +12,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.number_texts import grid_text
-from jointclosure.walls import gridding
+from jointclosure.walls import Walls, gridding
 from jointclosure.walls.missing_heights import fill_dropouts, fill_missing, in_holes
 from jointclosure.walls.planes import detrended, plane_through
 from jointclosure.walls.point_interpolation import interpolate_heights
@@ -33,6 +33,11 @@ class Overlap(NamedTuple):
     cut: int  # cells of holes that are left out
     box: tuple[np.ndarray, np.ndarray]  # corners (x, y) of the area that both scans cover
     first: np.ndarray  # place (x, y) of the first cell
+
+    @property
+    def parallel_walls(self) -> Walls:
+        """Both walls (y, x) [m], with heights towards the other one, each less its own plane."""
+        return detrended(-self.upper), detrended(self.lower)
 
 
 def overlap_of(

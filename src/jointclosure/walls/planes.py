@@ -1,4 +1,9 @@
-"""Mean planes of walls and of points."""
+"""Mean planes, and heights less these.
+
+To detrend is to subtract the mean plane from heights, whose places stay: `detrended` for a whole
+wall on a grid, `detrended_points` for points and for grids with missing heights. To level is to
+turn a scan until its mean plane is horizontal, which moves its places too (`levelling.py`).
+"""
 
 from typing import NamedTuple
 
@@ -41,8 +46,16 @@ def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
     return Plane(middle_x, middle_y, level, *slopes)
 
 
+def detrended_points(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Return the heights (n,) [m] of points less their least-squares plane."""
+    return heights - plane_through(x, y, heights).at(x, y)
+
+
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """Return a wall (y, x) [m] less its plane, whose terms are orthogonal on a regular grid."""
+    """Return a whole wall (y, x) [m] less its least-squares plane.
+
+    The terms of the plane are orthogonal on a grid. Heights must be known in all cells.
+    """
     ny, nx = heights.shape
     y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))
     level = heights - np.mean(heights)

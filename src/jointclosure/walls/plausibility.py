@@ -7,7 +7,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.walls.gridding import PAPER_SPACING, Cloud, Scan, node_counts, points_of
-from jointclosure.walls.planes import plane_through
+from jointclosure.walls.planes import detrended_points
 from jointclosure.walls.wall_roughness import peak_cells
 
 _ROCK = 0.045, 0.9
@@ -108,7 +108,7 @@ def _height_ratio(one: np.ndarray, other: np.ndarray) -> float:
     """Return the ratio (1 or more) of the heights of two mated walls, 1 if they are not mated."""
     known = np.isfinite(one + other)
     y, x = np.nonzero(known)
-    a, b = (wall[known] - plane_through(x, y, wall[known]).at(x, y) for wall in (one, other))
+    a, b = (detrended_points(x, y, wall[known]) for wall in (one, other))
     ratio = float(a.std() / b.std()) if abs(np.corrcoef(a, b)[0, 1]) >= 0.8 else 1.0
     return max(ratio, 1.0 / ratio)
 
@@ -213,8 +213,8 @@ def smoothing_of(
     )
     apart = pairs.data / spacing
     used = apart > _PAIRS[0]
-    level = heights - plane_through(x, y, heights).at(x, y)
-    rise = (level[pairs.row] - level[some][pairs.col])[used] / apart[used] ** _USUAL_HURST
+    bare = detrended_points(x, y, heights)
+    rise = (bare[pairs.row] - bare[some][pairs.col])[used] / apart[used] ** _USUAL_HURST
     if not rise.any():
         return ()
     along = [np.diff(wall, axis=axis) for axis in (0, 1)]

@@ -130,12 +130,12 @@ def _columns(names: list[str], width: int, variable: str | None) -> list[int]:
 
 
 def levelled_profile(profile: Profile) -> tuple[np.ndarray, float, float]:
-    """Take the mean line from a profile, and put heights on even places.
+    """Return the heights of a profile above its mean line, at even places.
 
-    A line inclined by up to `LEVEL` degrees is subtracted; a steeper profile is turned, since
-    heights are normal to the mean line. Between uneven points a monotone cubic (PCHIP) is
-    followed. It loses 4 % of the RMS slope at the spacing of a self-affine profile with a Hurst
-    exponent of 0.8, and 9 % with 0.5.
+    The line of a profile that is inclined by up to `LEVEL` degrees is subtracted. A steeper profile
+    is turned until its line is level, because heights are normal to it. Heights between uneven
+    points are interpolated by a monotone cubic (PCHIP). This loses 4 % of the RMS slope at the
+    spacing of a self-affine profile with a Hurst exponent of 0.8, and 9 % with 0.5.
 
     Returns
     -------

@@ -31,7 +31,6 @@ from jointclosure.walls.motion import (
 )
 from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.overlap import Overlap, overlap_of
-from jointclosure.walls.planes import detrended
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
 from jointclosure.walls.scan_quality import (
@@ -126,7 +125,7 @@ class RegisteredPair(NamedTuple):
         return cautions(self.report)
 
     def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
-        """Return the least and largest noise [m] of the sum of walls (y, x) [m] on the grid.
+        """Return the smallest and largest estimate [m] of the noise of the sum of both walls.
 
         It comes from the spectra (`noise_of`): all by which the walls depart from each other at the
         shortest waves of the grid. Part of that may be roughness that is too short for the grid,
@@ -251,7 +250,7 @@ def registered(
     overlap = _overlap_after(
         motion, prepared, sampled[1], spacing, largest_filled_share, flat, report
     )
-    walls = detrended(-overlap.upper), detrended(overlap.lower)
+    walls = overlap.parallel_walls
     step = _resolved_step(waves, spacing, overlap.upper.shape) if usual_spacing else 1
     fine = None
     if step > 1:
@@ -387,7 +386,7 @@ def _best_fit(
     prepared: _PreparedScans, sampled: list[Scan | Cloud], clouds: list[np.ndarray],
     spacing: float, orientation: str | None, shift: str | None, unusual: bool, report: list[str],
 ) -> _BestFit:  # fmt: skip
-    """Fit the upper wall to the lower one at the distance of the scanned points, if not too many.
+    """Fit the upper wall to the lower one on a grid with the distance of the scanned points.
 
     ``clouds`` are the points (n, 3) [m] of the ``sampled`` scans. The shortest waves mate least, so
     a fit on a finer grid than that of the joint is the better one; beyond `MOST_CELLS` along a side
@@ -514,7 +513,7 @@ def _coarser_grid_caution(spacing: float, step: int) -> Caution:
 
 
 def _scale_caution(scale: float, error: float) -> Caution:
-    """Warn of heights of the upper wall that are larger or smaller than those of its mate."""
+    """Warn of heights of the upper wall whose scale differs from that of the lower wall."""
     return caution(
         f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} times those of the "
         "lower one at the waves by which they mate: calibrate both scans. The range has walls of "
@@ -564,7 +563,7 @@ def _both_scans(
 
 
 def _with_flat_wall(overlap: Overlap, side: str) -> Overlap:
-    """Make the flat wall of an overlap flat without rounding; the other one has all holes."""
+    """Make the flat wall of an overlap exactly flat, and count all holes to the other wall."""
     of_flat, other = (0, "lower") if side == "upper" else (1, "upper")
     gap = overlap.upper - overlap.lower
     holes = overlap.holes.any(axis=0)
@@ -697,8 +696,7 @@ def _registered_pair(
 
     ``in_frame``: both scans have one frame, in which the walls lie as they were scanned.
     """
-    upper = detrended(-overlap.upper)
-    lower = detrended(overlap.lower)
+    upper, lower = overlap.parallel_walls
     together = upper + lower
     aperture = together.max() - together
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))

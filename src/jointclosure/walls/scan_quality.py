@@ -18,7 +18,7 @@ from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
 from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS
 from jointclosure.walls.outliers import neighbour_pairs
-from jointclosure.walls.planes import plane_through
+from jointclosure.walls.planes import detrended_points
 from jointclosure.walls.wall_roughness import height_differences
 
 STEEPEST = 3.0
@@ -379,12 +379,12 @@ def noise_of_points(cloud: Cloud) -> float:
     points = cloud.points
     distance = point_distance(cloud)
     x, y, heights = points.T
-    level = heights - plane_through(x, y, heights).at(x, y)
+    bare = detrended_points(x, y, heights)
     some = np.arange(0, len(points), -(-len(points) // _SAMPLE))
     tree = scipy.spatial.cKDTree(points[:, :2])
     near, number = tree.query(points[some, :2], k=min(_NEIGHBOURS + 1, len(points)))
     apart = near[:, 1:].ravel() / distance
-    squares = ((level[some, None] - level[number[:, 1:]]) ** 2).ravel()
+    squares = ((bare[some, None] - bare[number[:, 1:]]) ** 2).ravel()
     most = 0.5 * len(some)
     _, mean = _means_by_distance(apart, squares, _DISTANCES, most)
     least = np.minimum.accumulate(mean[::-1])[::-1]  # at this distance and beyond

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.statistics.correlations import (
+from jointclosure.statistics.quadratics import (
     elasticity,
     elasticity_of,
     fit_quadratic,

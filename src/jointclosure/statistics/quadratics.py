@@ -1,4 +1,7 @@
-"""Second-order correlations of mean and standard deviation, Eqs. (24) to (27)."""
+"""Quadratics of a response in one parameter: fit, lack of fit, errors and elasticity.
+
+They are the second-order correlations of mean and standard deviation, Eqs. (24) to (27).
+"""
 
 import math
 from typing import Any, NamedTuple
