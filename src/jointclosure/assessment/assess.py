@@ -88,13 +88,13 @@ NEEDED_AS_FAILS = "needed: fails"
 GIVEN_UP = "not tested: too long"
 """Verdict on effects without which a joint exceeds `MOST_BREAKAGE_STEPS`."""
 _IN_WORDS = {
-    "can be left out": "that may be left out",
-    "needed": "that must be kept",
-    NEEDED_AS_FAILS: "that must be kept",
-    "not decided": "that are not decided",
-    GIVEN_UP: "that were not tested",
+    "can be left out": "may be left out",
+    "needed": "must be kept",
+    NEEDED_AS_FAILS: "must be kept",
+    "not decided": "are not decided",
+    GIVEN_UP: "were not tested",
 }
-"""Verdicts on effects as parts of a sentence."""
+"""Verdicts on effects in the words of a sentence."""
 MOST_BREAKAGE_STEPS = 2e4
 """Breakage steps, over the number of cells, after which a joint without an effect is given up.
 
@@ -248,15 +248,12 @@ class Assessment:
             setting = f"no setting meets {asked}, because a joint is not stable"
         else:
             setting = self._best_for_joint(asked) if self._lone else self._best_for_mean(asked)
-        lines = [f"Conclusion: {setting}."]
         names = self._seconds.index.to_series()
         groups: dict[str, list[str]] = {}
         for variant in names[lacks_effects(names)]:
             groups.setdefault(_IN_WORDS[self.verdict(variant)], []).append(effects_of(variant))
-        if groups:
-            verdicts = (f"{words}: {', '.join(groups[words])}" for words in sorted(groups))
-            lines.append(f"Effects {'; '.join(verdicts)}.")
-        return " ".join(lines)
+        verdicts = [f"Effects that {words}: {'; '.join(groups[words])}." for words in groups]
+        return " ".join([f"Conclusion: {setting}.", *verdicts])
 
     def _best_for_joint(self, asked: str) -> str:
         """Name the setting by which a lone joint meets what is asked, with its error and time."""
