@@ -20,6 +20,7 @@ from jointclosure.measured.likelihood import (
     readings_of_history,
 )
 from jointclosure.measured.simulated_joints import (
+    ABOUT_RANGES,
     ComparisonJoints,
     LaterLoading,
     numerical_sentence,
@@ -265,6 +266,7 @@ def test_the_first_loading_of_a_curve_that_loses_more_than_the_model_is_fitted_a
     assert not both.interval_holds
     assert "first_loading=True (--first-loading) fits alone" in both.sentences()[0]
     assert "is farther from the mean of the simulated joints than" in both.sentences()[0]
+    assert ABOUT_RANGES in both.sentences()
     # without a panel of the likelihood, of which no interval is valid
     labels = [axes.get_ylabel() for axes in fit_figure(both, "a joint").axes]
     assert sorted(labels) == ["normal stress (MPa)", "simulated over measured"]

@@ -8,7 +8,6 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
@@ -21,7 +20,7 @@ from jointclosure.measured.compared_quantities import (
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.joint_arguments import SimulatedWalls
 from jointclosure.measured.likelihood import Readings, readings_of_curve
-from jointclosure.measured.simulated_joints import CHECKED, FINER, LaterLoading
+from jointclosure.measured.simulated_joints import ABOUT_RANGES, CHECKED, FINER, LaterLoading
 from jointclosure.measured.validation import NEITHER, NUMERICS, STRENGTHS, validate
 from jointclosure.plotting.measured import region_figure
 from jointclosure.statistics.randomness import generator
@@ -29,7 +28,7 @@ from jointclosure.uncertainty import expected_cost
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.registration import registered
-from tests.joints import COARSE, SPACING
+from tests.joints import COARSE, ELASTIC, SPACING
 
 ROCK = jc.Rock(11e9, 0.25, 90e6)
 STRESS, SEATING, STRENGTH, SHIFT, CELLS = 3e6, 0.5e6, 90e6, 2, 16
@@ -120,7 +119,11 @@ def test_the_numerical_error_is_that_of_nearest_joints_by_a_finer_tolerance(regi
     assert region.numerical["closure of cycle 1"] == pytest.approx((ratios.mean(), error), rel=1e-6)
     stiffnesses = [name for name in region.numerical if name.startswith("stiffness")]
     assert len(stiffnesses) == 3  # of both cycles, and later over first
-    assert any(line.startswith("numerical error, 4 nearest") for line in region.sentences())
+    lines = region.sentences()
+    (numerical,) = (line for line in lines if line.startswith("numerical error, 4 nearest"))
+    assert "(mean ± its standard error): " in numerical
+    assert ABOUT_RANGES in lines
+    assert any(line.startswith("a constant is compatible from low to high") for line in lines)
 
 
 def test_a_mechanism_that_leaves_less_closure_is_not_compatible(region):
@@ -171,15 +174,26 @@ def test_the_time_of_all_joints_is_estimated_before_they_are_simulated(pair, cur
     assert not list(tmp_path.glob("*.nc"))
 
 
-def forecast_of(monkeypatch, pair, curves, times, **kinds):
-    """Return seconds of the forecast, as if joints of each strength [Pa] took so long [s]."""
+NONE_SLOWER: dict[float, float] = {}
+
+
+def forecast_of(monkeypatch, pair, curves, times, slower=NONE_SLOWER, **kinds):
+    """Return seconds of the forecast, as if joints of each strength [Pa] took so long [s].
+
+    Later loadings take as long, or ``slower`` times as long by the ratio of crushed strength.
+    """
     spent = {round(strength): seconds for strength, seconds in times.items()}
 
     def timed(upper, lower, size, conditions):
         return spent[round(conditions.rock.compressive_strength)], upper.size
 
+    def timed_loadings(walls, size, conditions, cycles, strength, laters):
+        each = [slower.get(later.crushed_strength_ratio, 1.0) for later in laters]
+        return spent[round(strength)] * (1.0 + (cycles - 1) * sum(each))
+
     for module in (simulated_joints, expected_cost):
         monkeypatch.setattr(module, "time_of_window", timed)
+    monkeypatch.setattr(simulated_joints, "time_of_loadings", timed_loadings)
     monkeypatch.setattr(simulated_joints, "rough_time", lambda seconds: f"<{seconds:.6g}>")
 
     def stop(line):
@@ -199,15 +213,28 @@ def test_the_forecast_counts_that_joints_of_weak_rock_take_longer(monkeypatch, p
     np.testing.assert_allclose(forecast_of(monkeypatch, pair, curves, weak), 3.5 * alike, rtol=1e-5)
 
 
-def test_the_forecast_counts_a_changed_joint_as_one_that_breaks_again(monkeypatch, pair, curves):
+def test_the_forecast_counts_that_weaker_crushed_rock_takes_longer(monkeypatch, pair, curves):
     times = dict.fromkeys(np.geomspace(30e6, 180e6, STRENGTHS), 2.0)
-    stays, one, two = (
-        forecast_of(monkeypatch, pair, curves, times, shifts=shifts, crushed_strength_ratios=None)
-        for shifts in (None, (1,), (1, 2))
-    )
-    alone = stays / (1.0 + 1.0 / FIRST_LOADING)
-    np.testing.assert_allclose(one - stays, alone, rtol=1e-4)
-    np.testing.assert_allclose(two - one, alone, rtol=1e-4)
+    about = {"shifts": None, "crushed_strength_ratios": (0.9, 0.6)}
+    alike = forecast_of(monkeypatch, pair, curves, times, **about)
+    slow = forecast_of(monkeypatch, pair, curves, times, {0.6: 5.0}, **about)
+    np.testing.assert_allclose(slow, 2.0 * alike, rtol=1e-5)  # 1 + 1 + 1 + 5 over 4
+
+
+def test_the_loadings_of_a_window_are_timed_with_all_changes(monkeypatch, pair):
+    seen = []
+    simulate = simulated_joints.simulate_walls
+
+    def counted(upper, lower, conditions, **about):
+        seen.append((upper.shape, conditions.cycles, conditions.choices.crushed_strength_ratio))
+        return simulate(upper, lower, conditions, **about)
+
+    monkeypatch.setattr(simulated_joints, "simulate_walls", counted)
+    laters = LaterLoading(), LaterLoading(shift=1), LaterLoading(crushed_strength_ratio=0.6)
+    first = jc.Conditions(pair.spacing, ROCK, 1e6, 1, effects=ELASTIC)
+    walls = pair.upper, pair.lower
+    assert simulated_joints.time_of_loadings(walls, 9, first, 3, 50e6, laters) > 0.0
+    assert seen == [((9, 9), 1, 1.0), ((9, 9), 2, 1.0), ((9, 8), 2, 1.0), ((9, 9), 2, 0.6)]
 
 
 def test_no_mechanism_is_compatible_with_a_curve_of_walls_that_stay(plain):

@@ -127,6 +127,7 @@ def test_the_motion_of_a_scan_is_undone_within_its_errors(number):
     assert shift < 0.1
     assert np.abs(errors / np.sqrt(np.diag(pair.mated.covariance))).max() < 4.0
     assert f"turned by {pair.mated.angle:.3f} +- " in " ".join(pair.report)
+    assert "mm along (x, y), with standard errors, to the position" in " ".join(pair.report)
     assert pair.mated.tilt == pytest.approx(truth.about["tilt"], abs=0.1)
     assert pair.orientation == ("turned_over" if truth.about["over"] else "common_frame")
     for wall, true in zip((pair.upper, pair.lower), truth.walls(pair), strict=True):

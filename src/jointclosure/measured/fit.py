@@ -24,6 +24,7 @@ from jointclosure.measured.likelihood import (
     reading_sentences,
 )
 from jointclosure.measured.simulated_joints import (
+    ABOUT_RANGES,
     ADVICE,
     ComparisonJoints,
     LaterLoading,
@@ -87,7 +88,7 @@ class Fit(NamedTuple):
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         wavelength = self.mismatch_wavelength
         strength = self.compressive_strength
-        compared = [*self._agreement_sentences(), *numerical_sentence(self.numerical)]
+        compared = [*self._agreement_sentences(), ABOUT_RANGES, *numerical_sentence(self.numerical)]
         compared += reading_sentences(self.curve, self.measured, self.closure_error)
         missed = self._missed_first_loading()
         if not self.interval_holds:

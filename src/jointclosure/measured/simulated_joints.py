@@ -2,7 +2,8 @@
 
 import math
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,6 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.execution.cache import Entry, make_missing
-from jointclosure.execution.progress import FIRST_LOADING
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError, naming
 from jointclosure.joint.conditions import Conditions
@@ -30,13 +30,23 @@ from jointclosure.parameters import RESOLVED
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.uncertainty.expected_cost import rough_time, seconds_of_joint, time_of_window
+from jointclosure.uncertainty.expected_cost import (
+    rough_time,
+    seconds_of_joint,
+    time_of_window,
+    window_of,
+)
 from jointclosure.uncertainty.sources import coarser
-from jointclosure.walls import shifted
+from jointclosure.walls import Walls, shifted
 
 CHECKED = 4  # nearest joints that are simulated with a finer tolerance too
 FINER = 5.0  # tolerance over the finer one
-COMPARED = 48  # cells along a side of the windows in which times by strength are compared
+COMPARED = 32  # cells along a side of the windows in which times by strength are compared
+ABOUT_RANGES = (
+    "ranges of readings of joints are 95 % intervals of a single joint, with the error of the "
+    "measured closures"
+)
+"""What the ranges are that `fit` and `validate` print beside measured readings."""
 ADVICE = "check rock, roughness, roll-off, size and units"
 """Advice where no joint is like the measured one."""
 
@@ -153,22 +163,22 @@ class ComparisonJoints(NamedTuple):
     def _forecast(self, count: int, workers: int) -> str:
         """Estimate the time of all ``count`` joints from one of them, and say what is kept.
 
-        Joints of weak rock take many times as long as others. Their times are compared in small
-        windows. A later loading of a joint that is changed before it breaks rock again, as a first
-        loading does.
+        Joints of weak rock take many times as long as others, and so do later loadings of weaker
+        crushed rock. The times of all loadings are compared in small windows.
         """
         asked = self.asked
         walls = asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
-        by_strength = [
-            with_strength(self.conditions, strength, LaterLoading()) for strength in self.strengths
+        middle = self.strengths[len(self.strengths) // 2]
+        first = with_strength(self.conditions, middle, LaterLoading())
+        seconds = seconds_of_joint(*walls, first)
+        loadings = [
+            time_of_loadings(
+                walls, COMPARED, self.conditions, asked.measured.cycles, strength, self.laters
+            )
+            for strength in self.strengths
         ]
-        middle = len(by_strength) // 2
-        seconds = seconds_of_joint(*walls, by_strength[middle])
-        windows = [time_of_window(*walls, COMPARED, each)[0] for each in by_strength]
-        over_middle = float(np.mean(windows)) / windows[middle]
-        changed = sum(later != LaterLoading() for later in self.laters)
-        later = (asked.measured.cycles - 1) * (changed + 1.0 / FIRST_LOADING)
-        each = count * over_middle * (1.0 + later) / workers
+        over_first = float(np.mean(loadings)) / time_of_window(*walls, COMPARED, first)[0]
+        each = count * over_first / workers
         low, high = (rough_time(each * one) for one in seconds)
         kept = "finished joints are kept, and a later run goes on with them"
         if self.cache is None:
@@ -217,7 +227,7 @@ def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
         for name, (value, error) in changes.items()
     )
     checked = f"{CHECKED} nearest joints against {1.0 / FINER:g} of their tolerance"
-    return [f"numerical error, {checked}: {'; '.join(texts)}"]
+    return [f"numerical error, {checked} (mean ± its standard error): {'; '.join(texts)}"]
 
 
 def with_strength(conditions: Conditions, strength: float, later: LaterLoading) -> Conditions:
@@ -229,6 +239,41 @@ def with_strength(conditions: Conditions, strength: float, later: LaterLoading) 
     ratio = later.crushed_strength_ratio * conditions.choices.crushed_strength_ratio
     choices = conditions.choices._replace(crushed_strength_ratio=ratio)
     return conditions._replace(rock=rock, choices=choices)
+
+
+def loadings_of(
+    pair: Walls, first: Conditions, cycles: int, strength: float, laters: Sequence[LaterLoading]
+) -> Iterator[xr.Dataset]:
+    """Generate the history of a joint, and of its later loadings after each of ``laters``.
+
+    The first history has all cycles if nothing is changed after the first. It is the only one if
+    this is so, or if it failed.
+    """
+    unchanged = tuple(laters) == (LaterLoading(),)
+    conditions = with_strength(first, strength, LaterLoading())
+    once = simulate_walls(*pair, conditions._replace(cycles=cycles if unchanged else 1))
+    yield once
+    crushed = once.upper_final.values, once.lower_final.values
+    for later in () if unchanged or cycles == 1 or once.status >= FAILURE else laters:
+        conditions = with_strength(first, strength, later)._replace(cycles=cycles - 1)
+        seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
+        yield simulate_walls(*seated, conditions, pristine=pristine)
+
+
+def time_of_loadings(
+    pair: Walls,
+    size: int,
+    first: Conditions,
+    cycles: int,
+    strength: float,
+    laters: Sequence[LaterLoading],
+) -> float:
+    """Return the processor time [s] of `loadings_of` in the middle of two walls (y, x) [m]."""
+    window = window_of(pair, size)
+    start = time.process_time()
+    for _ in loadings_of(window, first, cycles, strength, laters):
+        pass
+    return time.process_time() - start
 
 
 def simulate_surface(
@@ -249,23 +294,17 @@ def simulate_surface(
     stresses [Pa], (later, strength, cycle, branch, stress), NaN for loadings that failed.
     """
     levels = np.array(stresses)
-    once_cycles = 1 if tuple(laters) != (LaterLoading(),) else cycles
     closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)
     for place, (number, strength) in enumerate(numbered.items()):
-        conditions = with_strength(first, strength, LaterLoading())
         pair = walls.pair(number, wavelength, scans)
-        once = simulate_walls(*pair, conditions._replace(cycles=once_cycles))
+        once, *again = loadings_of(pair, first, cycles, strength, laters)
         if once.status >= FAILURE:
             report(f"joint {number}: status {int(once.status)}")
             continue
-        closures[:, place, :once_cycles] = history_of(once).net.at(levels)
-        crushed = once.upper_final.values, once.lower_final.values
-        for kind, later in enumerate(laters if once_cycles < cycles else ()):
-            conditions = with_strength(first, strength, later)._replace(cycles=cycles - 1)
-            seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
-            again = simulate_walls(*seated, conditions, pristine=pristine)
-            if again.status < FAILURE:
-                closures[kind, place, 1:] = history_of(again).net.at(levels)
+        closures[:, place, : once.sizes["cycle"]] = history_of(once).net.at(levels)
+        for kind, history in enumerate(again):
+            if history.status < FAILURE:
+                closures[kind, place, 1:] = history_of(history).net.at(levels)
         report(f"joint {number} of {strength:.3g} Pa closed")
     dims = ("later", "strength", "cycle", "branch", "stress")
     return xr.Dataset({"closure": (dims, closures, {"units": "m"})})

@@ -29,6 +29,7 @@ from jointclosure.measured.likelihood import (
     reading_sentences,
 )
 from jointclosure.measured.simulated_joints import (
+    ABOUT_RANGES,
     ADVICE,
     ComparisonJoints,
     LaterLoading,
@@ -44,6 +45,10 @@ WAVELENGTHS = 6  # mismatch wavelengths at which joints are simulated
 STRENGTHS = 4  # strengths at which joints are simulated
 RANGE = (1.0 / 3.0, 2.0)
 """Usual range of strengths, over that of the rock."""
+_ABOUT_CONSTANTS = (
+    "a constant is compatible from low to high, among those tried, if the probability is at least "
+    f"{100.0 * (1.0 - CONFIDENCE):.0f} % that a joint lies as far from the mean as the curve"
+)
 NEITHER = "neither"  # name of loadings without a mechanism between them
 
 
@@ -192,7 +197,8 @@ class Region(NamedTuple):
                 f"{title}: not compatible, the curve is farther from the mean of the nearest "
                 f"joints than {beyond} of them are: {where}"
             )
-        lines += [*numerical_sentence(self.numerical), *self.reading]
+        lines += [_ABOUT_CONSTANTS, ABOUT_RANGES, *numerical_sentence(self.numerical)]
+        lines += self.reading
         return [*lines, *self.left_out, f"valid only for the assumed joint: {self.assumed}"]
 
     def __repr__(self) -> str:

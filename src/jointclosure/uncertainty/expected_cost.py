@@ -9,6 +9,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import Effects, Numerics
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
+from jointclosure.walls import Walls
 from jointclosure.walls.wall_files import coarser_grid
 
 WINDOW = 128  # cells along a side of the window of the walls that is simulated to estimate the time
@@ -120,11 +121,18 @@ def time_of_window(
     upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
 ) -> tuple[float, int]:
     """Return the processor time [s] to simulate the middle of two walls, and its cells."""
+    window = window_of((upper, lower), size)
+    start = time.process_time()
+    simulate_walls(*window, conditions)
+    return time.process_time() - start, window[0].size
+
+
+def window_of(pair: Walls, size: int) -> Walls:
+    """Return the middle of two walls (y, x), with up to ``size`` cells along a side."""
+    upper, lower = pair
     corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
     window = tuple(slice(corner, corner + size) for corner in corners)
-    start = time.process_time()
-    simulate_walls(upper[window], lower[window], conditions)
-    return time.process_time() - start, upper[window].size
+    return upper[window], lower[window]
 
 
 def rough_time(seconds: float) -> str:

@@ -515,9 +515,9 @@ def _coarser_grid_caution(spacing: float, step: int) -> Caution:
 def _scale_caution(scale: float, error: float) -> Caution:
     """Warn of heights of the upper wall whose scale differs from that of the lower wall."""
     return caution(
-        f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} times those of the "
-        "lower one at the waves by which they mate: calibrate both scans. The range has walls of "
-        "one scale, between both"
+        f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} (standard error) times "
+        "those of the lower one at the waves by which they mate: calibrate both scans. The range "
+        "has walls of one scale, between both"
     )
 
 
@@ -680,8 +680,8 @@ def _check_unturned(
     if edge > 0.25 * spacing and abs(mated.angle) > 4.0 * error:
         turned = (
             f"the scanned walls are rotated by {mated.angle:.3f} +- {error:.3f} degrees against "
-            f"each other: their shift grows from the middle to {1e3 * edge:.3g} mm at the edge, "
-            "and they mate only in the middle"
+            f"each other (standard error): their shift grows from the middle to "
+            f"{1e3 * edge:.3g} mm at the edge, and they mate only in the middle"
         )
         if not unusual and reach.min() > 40.0 * spacing:
             raise InputError(f"{turned}; leave shift: scanned out; {AS_IT_IS}")
