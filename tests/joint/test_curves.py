@@ -143,7 +143,7 @@ def test_a_loading_beyond_the_former_maximum_is_read_on_both_sides_of_it():
     assert {(1, "loading"), (2, "unloading")} <= law_curves(whole).keys()
     assert (2, "loading") not in law_curves(whole)
     with pytest.raises(jc.InputError, match=r"beyond its former maximum, 4 MPa"):
-        porepy_files(whole, stress_table(whole))
+        porepy_files(whole, stress_table(whole), 2)
     straight = following("power", 0.01, 1.02)
     with pytest.raises(jc.InputError, match=r"cycle 1 hardly bends"):
         porepy_files(straight, stress_table(straight))

@@ -114,7 +114,7 @@ def test_named_stresses_have_ranges_with_other_choices_too(budget):
     # the result at the maximum stress has the same text in the table
     assert row[title] == answer["with_other_choices"]["cycle 1"][QUANTITIES[CLOSURE_NET]]
     assert row["cycle"] == usual["cycle"]
-    assert f"the same, {budget.wider_title()}" in text
+    assert f"The same, {budget.wider_title()}" in text
     single = summary(budget_joint(), NO_LAWS, stress_table(budget_joint()), None, [2e6])[1]
     assert single["at_with_other_choices"] == []
 

@@ -26,11 +26,11 @@ from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
-    checked_as_stated,
     conditions_from,
     on_grid,
     takes_scans,
 )
+from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import (
     BREAKAGE_NOT_AT_REST,
     FAILURE,

@@ -28,11 +28,11 @@ from jointclosure.inputs import check_below, check_count
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
-    checked_as_stated,
     conditions_from,
     on_grid,
     takes_conditions,
 )
+from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.wall_checks import warn_of_doubts
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import AUTO_TOLERANCE, Effects

@@ -24,12 +24,12 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import (
     Conditions,
     check_named_stresses,
-    checked_as_stated,
     conditions_from,
 )
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.simulation import simulate
+from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.number_texts import grid_text

@@ -17,11 +17,11 @@ from jointclosure.inputs import InputError, check_count
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
-    checked_as_stated,
     conditions_from,
     takes_conditions,
 )
 from jointclosure.joint.simulation import simulate_walls
+from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
 from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.joint.warmup import prepare_kernels

@@ -17,7 +17,6 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
     check_crushed_strength,
-    check_effective,
     check_model,
     check_radius,
     check_usual,
@@ -306,10 +305,6 @@ def check_together(conditions: Conditions) -> None:
             f"max_normal_stress = {largest!r} Pa: must be below the rock's "
             f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
         )
-    if conditions.effects.breakage:
-        from jointclosure.joint.feasibility import check_strength  # loads the solvers
-
-        check_strength(conditions.rock, float(largest), *conditions.model, conditions.spacing)
 
 
 def on_grid(checked: Conditions, spacing: float) -> Conditions:
@@ -397,17 +392,3 @@ def conditions_from(
     if conditions is None:
         return Conditions(**{"spacing": None, **changes})
     return conditions._replace(**changes)
-
-
-def checked_as_stated(
-    stated: Conditions, snapshots: Sequence[float] = (), varied: bool = False
-) -> Conditions:
-    """Check the conditions that a user states, once for each call of a public function.
-
-    Return them as `Conditions.checked` does. Raise `InputError` if a value is not allowed, or a
-    setting was changed that has no effect (`check_effective`). ``varied`` is whether the function
-    also simulates joints with fewer effects.
-    """
-    checked = stated.checked(snapshots)
-    check_effective(*checked.model, varied=varied)
-    return checked

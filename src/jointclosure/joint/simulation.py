@@ -18,7 +18,6 @@ from jointclosure.joint.conditions import (
     LoadCycle,
     check_snapshots,
     check_together,
-    checked_as_stated,
     conditions_from,
     model_attributes,
     takes_conditions,
@@ -32,6 +31,7 @@ from jointclosure.joint.feasibility import (
 from jointclosure.joint.history import history_of
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.snapshots import Snapshots, fields_of
+from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import UNLOADING
 from jointclosure.joint.wall_checks import checked_walls, warn_of_doubts
 from jointclosure.parameters import (

@@ -18,7 +18,6 @@ from jointclosure.joint.conditions import (
     Changes,
     Conditions,
     check_named_stresses,
-    checked_as_stated,
     conditions_from,
     on_grid,
     takes_scans,
@@ -33,6 +32,7 @@ from jointclosure.joint.laws import (
 )
 from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import Simulation
+from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.joint.warmup import prepare_kernels
