@@ -96,9 +96,8 @@ def _mark(row: pd.Series, column: str) -> str:
     if column in ("paper_", "unpaired_"):
         return ""
     endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
-    if "negative" in str(row.get(f"status{column}", "")):
-        return "†" + endless
-    return ("*" if row.get(f"extrapolated{column}", False) else "") + endless
+    negative = "†" if "negative" in str(row.get(f"status{column}", "")) else ""
+    return ("*" if row.get(f"extrapolated{column}", False) else "") + negative + endless
 
 
 def closure_lines(closures: pd.DataFrame) -> list[str]:

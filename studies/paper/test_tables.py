@@ -129,7 +129,7 @@ def test_lengths_have_the_digits_that_are_not_doubtful():
 
 @pytest.mark.parametrize(
     ("status", "text"),
-    [({}, "1.50* (15%)"), ({"status": "negative deviation at the root"}, "1.50† (15%)")],
+    [({}, "1.50* (15%)"), ({"status": "negative deviation at the root"}, "1.50*† (15%)")],
 )
 def test_lengths_are_marked_by_what_is_doubtful_of_them(status, text):
     same = {"rock": "a", "length": 1.5, "percent": 15.0, "extrapolated": True} | status
