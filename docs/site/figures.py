@@ -143,6 +143,7 @@ def overview() -> Figure:
     jc.plot.walls(upper, lower, spacing=0.25e-3, axes=section)
     jc.plot.aperture(joint, 0, contacts)
     _band(curves, ensemble)
+    section.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
     section.set_title("two walls at first touch, heights enlarged")
     contacts.set_title("the joint at 10 MPa")
     curves.set_title("closure of 20 pairs: mean and 90 % band")
@@ -160,8 +161,7 @@ def price_of_accuracy() -> Figure:
     """Draw errors of means and of single joints over the time of a joint.
 
     The error of a single joint is that of an older version too. Bars of means are standard errors.
-    A vertical line is a setting, which is named above the first
-    panel. Axes of errors begin at 0.1 %: of a smaller mean only the bar is seen.
+    A vertical line is a setting, which is named above the first panel. Axes of errors begin at 0.1 %: of a smaller mean only the bar is seen.
     """
     tables = (stored(f"{name}/price") for name in ("price_of_accuracy", "price_before"))
     # all settings but the reference

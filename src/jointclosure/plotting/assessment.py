@@ -41,7 +41,7 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     """Draw the largest end of intervals [%] over seconds by cycle, with the request [%].
 
-    The marks of a setting, one for each cycle, are joined by a line.
+    The marks of a setting, one for each cycle with its number, are joined by a line.
     """
     colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
     names = list(dict.fromkeys(settings.variant))
@@ -52,6 +52,10 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
         axes.plot(seconds, errors, color="0.7", lw=1.0, zorder=1)
         for cycle, error in errors.items():
             axes.plot(seconds[0], error, "osD^v"[names.index(name)], color=colours[cycle])
+            axes.annotate(
+                f"{cycle}", (seconds[0], error), (6.0, 0.0), textcoords="offset points",
+                color=colours[cycle], fontsize="small", va="center",
+            )  # fmt: skip
     for mark, name in zip("osD^v", names, strict=False):
         axes.plot([], [], mark, color="0.5", label=name)
     for cycle, colour in colours.items():
