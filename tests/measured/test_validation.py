@@ -170,6 +170,7 @@ def test_the_time_of_all_joints_is_estimated_before_they_are_simulated(pair, cur
     with pytest.raises(InterruptedError):
         validate(curves[0], **about, cache=tmp_path, report=stop)
     assert "all 36 joints take about" in lines[-1]
+    assert "in 1 process, or longer if other work uses their processors" in lines[-1]
     assert "finished joints are kept" in lines[-1]
     assert not list(tmp_path.glob("*.nc"))
 
@@ -177,10 +178,11 @@ def test_the_time_of_all_joints_is_estimated_before_they_are_simulated(pair, cur
 NONE_SLOWER: dict[float, float] = {}
 
 
-def forecast_of(monkeypatch, pair, curves, times, slower=NONE_SLOWER, **kinds):
+def forecast_of(monkeypatch, pair, curves, times, slower=NONE_SLOWER, share=1.0, **kinds):
     """Return seconds of the forecast, as if joints of each strength [Pa] took so long [s].
 
-    Later loadings take as long, or ``slower`` times as long by the ratio of crushed strength.
+    Later loadings take as long, or ``slower`` times as long by the ratio of crushed strength. The
+    window in which they are compared has a ``share`` of the cells.
     """
     spent = {round(strength): seconds for strength, seconds in times.items()}
 
@@ -191,8 +193,11 @@ def forecast_of(monkeypatch, pair, curves, times, slower=NONE_SLOWER, **kinds):
         each = [slower.get(later.crushed_strength_ratio, 1.0) for later in laters]
         return spent[round(strength)] * (1.0 + (cycles - 1) * sum(each))
 
-    for module in (simulated_joints, expected_cost):
-        monkeypatch.setattr(module, "time_of_window", timed)
+    def compared(upper, *words):
+        return timed(upper, *words)[0], share * upper.size
+
+    monkeypatch.setattr(expected_cost, "time_of_window", timed)
+    monkeypatch.setattr(simulated_joints, "time_of_window", compared)
     monkeypatch.setattr(simulated_joints, "time_of_loadings", timed_loadings)
     monkeypatch.setattr(simulated_joints, "rough_time", lambda seconds: f"<{seconds:.6g}>")
 
@@ -219,6 +224,16 @@ def test_the_forecast_counts_that_weaker_crushed_rock_takes_longer(monkeypatch, 
     alike = forecast_of(monkeypatch, pair, curves, times, **about)
     slow = forecast_of(monkeypatch, pair, curves, times, {0.6: 5.0}, **about)
     np.testing.assert_allclose(slow, 2.0 * alike, rtol=1e-5)  # 1 + 1 + 1 + 5 over 4
+
+
+def test_the_longest_time_grows_faster_with_the_cells_than_a_first_loading(
+    monkeypatch, pair, curves
+):
+    times = dict.fromkeys(np.geomspace(30e6, 180e6, STRENGTHS), 2.0)
+    whole = forecast_of(monkeypatch, pair, curves, times)
+    quarter = forecast_of(monkeypatch, pair, curves, times, share=0.25)
+    least, most = expected_cost.EXPONENTS
+    np.testing.assert_allclose(quarter, whole * [1.0, 4.0 ** (most - least)], rtol=1e-5)
 
 
 def test_the_loadings_of_a_window_are_timed_with_all_changes(monkeypatch, pair):

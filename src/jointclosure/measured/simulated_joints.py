@@ -31,6 +31,7 @@ from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty.expected_cost import (
+    EXPONENTS,
     rough_time,
     seconds_of_joint,
     time_of_window,
@@ -41,7 +42,7 @@ from jointclosure.walls import Walls, shifted
 
 CHECKED = 4  # nearest joints that are simulated with a finer tolerance too
 FINER = 5.0  # tolerance over the finer one
-COMPARED = 32  # cells along a side of the windows in which times by strength are compared
+COMPARED = 48  # cells along a side of the windows in which times by strength are compared
 ABOUT_RANGES = (
     "ranges of readings of joints are 95 % intervals of a single joint, with the error of the "
     "measured closures"
@@ -177,13 +178,21 @@ class ComparisonJoints(NamedTuple):
             )
             for strength in self.strengths
         ]
-        over_first = float(np.mean(loadings)) / time_of_window(*walls, COMPARED, first)[0]
+        window, cells = time_of_window(*walls, COMPARED, first)
+        over_first = float(np.mean(loadings)) / window
+        # the times of weak rock grow faster with the number of cells than that of the first loading
+        growth = (walls[0].size / cells) ** (EXPONENTS[1] - EXPONENTS[0])
         each = count * over_first / workers
-        low, high = (rough_time(each * one) for one in seconds)
+        least, most = seconds
+        low, high = rough_time(each * least), rough_time(each * most * growth)
         kept = "finished joints are kept, and a later run goes on with them"
         if self.cache is None:
             kept = "no joint is kept without a folder (--output, or cache= in Python)"
-        return f"all {count} joints take about {low} to {high} in {workers} processes; {kept}"
+        one_or_more = "1 process" if workers == 1 else f"{workers} processes"
+        return (
+            f"all {count} joints take about {low} to {high} in {one_or_more}, or longer if other "
+            f"work uses their processors; {kept}"
+        )
 
     def numerical_changes(
         self, place: tuple[int, int, int], closures: np.ndarray
