@@ -161,7 +161,8 @@ def price_of_accuracy() -> Figure:
     """Draw errors of means and of single joints over the time of a joint.
 
     The error of a single joint is that of an older version too. Bars of means are standard errors.
-    A vertical line is a setting, which is named above the first panel. Axes of errors begin at 0.1 %: of a smaller mean only the bar is seen.
+    A vertical line is a setting, which is named above the first panel. Axes of errors begin at
+    0.1 %: of a smaller mean only the bar is seen.
     """
     tables = (stored(f"{name}/price") for name in ("price_of_accuracy", "price_before"))
     # all settings but the reference
