@@ -598,9 +598,9 @@ def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     """
     upper = joint.upper_final.values
     lower = joint.lower_final.values
-    opening = float((upper + lower).max())
-    aperture = np.maximum(opening - upper - lower, 0.0)
-    midplane = lower + 0.5 * (opening - upper - lower)
+    together = upper + lower
+    aperture = together.max() - together  # exactly 0 at first touch
+    midplane = lower + 0.5 * aperture
     ny, nx = upper.shape
     y, x = np.indices(upper.shape) * history_of(joint).spacing
     points = np.column_stack([x.ravel(), y.ravel(), midplane.ravel()])
@@ -610,7 +610,7 @@ def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     of_corners = aperture.ravel()[triangles]
     fields = {
         "aperture": of_corners.mean(axis=1),
-        "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
+        "contact": (of_corners == 0.0).any(axis=1).astype(np.int32),
         "MaterialIDs": np.zeros(len(triangles), np.int32),
     }
     return {"fracture.vtu": (points, triangles, fields)}
