@@ -311,6 +311,18 @@ def test_constants_say_from_which_stress_their_hyperbola_is_fitted(history):
         assert any(name.startswith(label) for name in table)
 
 
+def test_an_end_of_the_band_without_constants_is_named_once(history, band, capsys):
+    ends = ("low", "high")
+    wide = {f"{n}_with_choices": band[n] for n in band if n.endswith(ends)}
+    wide["closure_net_since_seating_mm_low_with_choices"] = np.nan
+    unknown = band.assign(**wide)
+    files = exports.export_files(history, "a joint", unknown, LAWS, 2)
+    (line,) = re.findall("^- .*closes less, with other choices.*", capsys.readouterr().out, re.M)
+    assert line.startswith("- PorePy, UDEC, 3DEC: not written: a joint")
+    assert "porepy_closes_more_with_choices.json" in files
+    assert "porepy_closes_less_with_choices.json" not in files
+
+
 @pytest.fixture(scope="module")
 def first_cycle(history):
     """The joint as it is after its first cycle."""
@@ -647,8 +659,10 @@ def straight(history):
     return history.assign(closure=closure, bulk_indentation=0.0 * closure)
 
 
-def test_the_law_for_udec_or_3dec_is_there_without_a_hyperbola_of_the_joint(straight):
+def test_the_law_for_udec_or_3dec_is_there_without_a_hyperbola_of_the_joint(straight, capsys):
     values, _ = fish_constants(straight, stress_table(straight))
+    reason = "constants of the simulated joint: UDEC, 3DEC: the loading of cycle 2 hardly bends"
+    assert f"- not written: {reason}" in capsys.readouterr().out
     assert "bb_kni" not in values
     assert "bb_empirical_kni_cycle_1" in values
 
