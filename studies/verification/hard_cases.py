@@ -24,7 +24,8 @@ from jointclosure import oracle
 from jointclosure.assessment.assess import FEATURES, closures_of, features_of
 from jointclosure.ensembles import oracle_limits
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions, stated_load
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.load import stated_load
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_walls
 from jointclosure.joint.status import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from jointclosure.joint.warmup import kernels_of, prepare_kernels
@@ -318,7 +319,7 @@ def _wrong_in_dataset(outcome, tolerances: dict[str, float]) -> list[str]:
     data = outcome.dataset
     failed = []
     stepped = "step" in data.sizes
-    cycles = stated_load(**load_of(outcome.case, outcome.target)).cycles if stepped else ()
+    cycles = stated_load(**load_of(outcome.case, outcome.target)).load_cycles if stepped else ()
     turns = np.array([0.0, *(load.minimum for load in cycles)])
     opened = np.maximum(turns[:-1], turns[1:]) == 0.0  # others have no closures since seating
     for name, variable in data.data_vars.items():
