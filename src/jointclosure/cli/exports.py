@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.results import FIGURES, failed
+from jointclosure.cli.results import FIGURES
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution
@@ -24,7 +24,7 @@ from jointclosure.joint.laws import (
     law_curves,
     loading_hyperbolas,
 )
-from jointclosure.joint.status import LOADING, ONLY_BOUNDS
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS, failed
 from jointclosure.joint.tables import (
     columns_of,
     curve_table,
