@@ -12,7 +12,7 @@ from pydantic import PrivateAttr, create_model, model_validator
 from jointclosure import parameters
 from jointclosure.assessment.assess import FINEST
 from jointclosure.inputs import InputError, did_you_mean
-from jointclosure.joint.conditions import LARGEST_SEATING, usual_seating
+from jointclosure.joint.load import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant
 from jointclosure.walls.jrc import relation_of
 from jointclosure.walls.synthesis import check_mismatch, spectrum_of

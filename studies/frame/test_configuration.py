@@ -14,7 +14,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.compilation.cache_folder import PACKAGE
 from jointclosure.ensembles.quantities import QUANTITIES
-from jointclosure.joint.conditions import SEATING_STRESS
+from jointclosure.joint.load import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out

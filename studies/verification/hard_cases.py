@@ -24,9 +24,10 @@ from jointclosure import oracle
 from jointclosure.assessment.assess import FEATURES, closures_of, features_of
 from jointclosure.ensembles import oracle_limits
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions, stated_load
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.load import stated_load
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_walls
-from jointclosure.joint.status import FAILURE, FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
+from jointclosure.joint.status import FLAGS, OUTSIDE_MODEL_RANGE, TARGET_JUMPED, failed
 from jointclosure.joint.warmup import kernels_of, prepare_kernels
 from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
 from jointclosure.parameters.units import to_si
@@ -211,7 +212,7 @@ def _run(frozen: str) -> CaseOutcome:
             status = "refused"
             message = str(error)
     seconds = time.perf_counter() - start
-    if case["closure"] is not None and dataset is not None and int(dataset.status) < FAILURE:
+    if case["closure"] is not None and dataset is not None and not failed(dataset):
         total = float(dataset.normal_stress) * upper.size * setting["spacing"] ** 2
         force = dataset.force.values
         judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
@@ -286,21 +287,21 @@ the protocol's constant."""
 def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
     """List the general requirements (status, warnings, oracle, curve) that a case breaks."""
     case = outcome.case
-    failed = [f"warned: {text}" for text in outcome.warned]
-    answered = outcome.dataset is not None and int(outcome.dataset.status) < FAILURE
+    broken = [f"warned: {text}" for text in outcome.warned]
+    answered = outcome.dataset is not None and not failed(outcome.dataset)
     if not (answered if case["expect"] == "answer" else outcome.status == case["expect"]):
-        failed.append(f"status {outcome.status}, expected {case['expect']}")
+        broken.append(f"status {outcome.status}, expected {case['expect']}")
     if outcome.status == "refused":
         if case["message"] not in outcome.message:
-            failed.append(f"message of the refusal lacks {case['message']!r}")
-        return failed
-    failed += _beyond_limits(outcome)
+            broken.append(f"message of the refusal lacks {case['message']!r}")
+        return broken
+    broken += _beyond_limits(outcome)
     # a failed simulation has a status, but no closures
-    if int(outcome.dataset.status) < FAILURE:
-        failed += _wrong_in_dataset(outcome, tolerances)
+    if not failed(outcome.dataset):
+        broken += _wrong_in_dataset(outcome, tolerances)
     elif "max_closure" in outcome.dataset and np.isfinite(outcome.dataset.max_closure[-1]):
-        failed.append("a failed simulation has a last closure")
-    return failed
+        broken.append("a failed simulation has a last closure")
+    return broken
 
 
 def _beyond_limits(outcome) -> list[str]:
@@ -308,7 +309,7 @@ def _beyond_limits(outcome) -> list[str]:
     worst = outcome.judge.worst
     limits = outcome.judge.limits
     if not worst:
-        return [] if int(outcome.dataset.status) >= FAILURE else ["the oracle saw no state"]
+        return [] if failed(outcome.dataset) else ["the oracle saw no state"]
     above = (name for name in limits if not worst[name] <= limits[name])
     return [f"{name} {worst[name]:.3g}, at most {limits[name]:.3g}" for name in above]
 
@@ -318,7 +319,7 @@ def _wrong_in_dataset(outcome, tolerances: dict[str, float]) -> list[str]:
     data = outcome.dataset
     failed = []
     stepped = "step" in data.sizes
-    cycles = stated_load(**load_of(outcome.case, outcome.target)).cycles if stepped else ()
+    cycles = stated_load(**load_of(outcome.case, outcome.target)).load_cycles if stepped else ()
     turns = np.array([0.0, *(load.minimum for load in cycles)])
     opened = np.maximum(turns[:-1], turns[1:]) == 0.0  # others have no closures since seating
     for name, variable in data.data_vars.items():

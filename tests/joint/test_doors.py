@@ -11,8 +11,8 @@ import pytest
 
 import jointclosure as jc
 from jointclosure import parameters
-from jointclosure.joint import conditions
-from jointclosure.joint.conditions import RESOLVED
+from jointclosure.joint import load
+from jointclosure.joint.conditions import RESOLVED, SCAN_DEFAULTS, conditions_from
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.parameters import USUAL, check_radius, check_usual
 from jointclosure.walls.gridding import Scan
@@ -316,11 +316,24 @@ def test_a_switch_is_no_number(name, switch, value):
         ).checked()  # fmt: skip
 
 
+def test_conditions_keep_their_numerics_where_scans_resolve_breakage_by_default():
+    stated = {"rock": "granite", "max_normal_stress": 1e6}
+    given = jc.Conditions(None, **stated)
+    fine = RESOLVED._replace(tolerance=0.01)
+    cases = [
+        (None, stated, RESOLVED), (None, stated | {"numerics": fine}, fine),
+        (given, {}, jc.Numerics()), (given, {"numerics": fine}, fine),
+    ]  # fmt: skip
+    for conditions, changes, numerics in cases:
+        made = conditions_from(conditions, changes, "close", defaults=SCAN_DEFAULTS)
+        assert made.numerics == numerics
+
+
 @pytest.mark.parametrize("door", CLOSE)
 def test_what_a_user_states_is_checked_and_parsed_once_in_a_call(door, monkeypatch):
     checks = [
         (parameters, "check_scene"), (parameters, "check_choices"), (parameters, "check_numerics"),
-        (conditions, "parsed_load"),
+        (load, "parsed_load"),
     ]  # fmt: skip
     stated = {"rock": DOLERITE, "max_normal_stress": [3e6, 1e6, 2e6], "spacing": SPACING}
     CLOSE[door](*pair(24), **stated)  # prepares the kernels, by a joint with conditions of its own

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.conditions import SEATING_STRESS
 from jointclosure.joint.history import history_of
+from jointclosure.joint.load import SEATING_STRESS
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from tests import joints

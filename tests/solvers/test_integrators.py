@@ -5,10 +5,10 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.joint import cycling
-from jointclosure.joint.conditions import LoadCycle
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.cycling import run_cycles
 from jointclosure.joint.history import history_of
+from jointclosure.joint.load import LoadCycle
 from jointclosure.joint.status import LOADING, UNLOADING
 from jointclosure.joint.step_control import LARGEST_STEP, StepControl, must_repeat
 from jointclosure.solvers import fast

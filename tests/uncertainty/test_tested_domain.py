@@ -1,5 +1,6 @@
 """Walls outside of the domain in which ranges of results were tested are named."""
 
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -44,16 +45,18 @@ def test_the_pairs_of_the_benchmark_are_the_tested_domain():
         assert 0.9 * most < max(sizes) <= most
 
 
-@pytest.mark.filterwarnings("ignore:.* wall. ")
-@pytest.mark.parametrize("single", [False, True])
-def test_close_says_it_of_results_that_have_a_range(single):
+@pytest.mark.parametrize(("single", "unusual"), [(False, False), (False, True), (True, False)])
+def test_close_says_it_of_results_that_have_a_range(single, unusual):
     upper, lower = pair((24, 28))
     noise = 2e-4 * np.random.default_rng(1).standard_normal((2, *upper.shape))
     heights = np.add(noise, (3e-3 - upper, lower))
     scans = [Scan(wall, (SPACING, SPACING), (0.0, 0.0)) for wall in heights]
-    joint = jc.close(
-        *scans, rock="granite", max_normal_stress=1e6, cycles=1, effects=ELASTIC, workers=1,
-        orientation="common_frame", single=single,
-    )  # fmt: skip
-    said = any("were not tested on such walls" in line for line in joint.pair.report)
-    assert said == (not single)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        joint = jc.close(
+            *scans, rock="granite", max_normal_stress=1e6, cycles=1, effects=ELASTIC, workers=1,
+            orientation="common_frame", single=single, unusual_values=unusual,
+        )  # fmt: skip
+    untested = "were not tested on such walls"
+    assert any(untested in line for line in joint.pair.report) == (not single)
+    assert any(untested in str(w.message) for w in caught) == (not single and not unusual)

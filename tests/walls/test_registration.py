@@ -411,12 +411,24 @@ def test_the_force_on_holes_is_their_share_of_the_force_at_the_highest_stress(jo
     for columns in (slice(30), slice(30, None)):
         holes = np.zeros(SHAPE, bool)
         holes[:, columns] = True
-        (line,) = _force_in_holes(pair._replace(holes=holes), history)
+        (line,) = _force_in_holes(pair._replace(holes=holes), history, 2e6)
         stated = re.search(r"holes of a scan carry (\S+) % of the force at 2 MPa", line)[1]
         share = 100.0 * force[:, columns].sum() / force.sum()
         assert 1.0 < share < 99.0
         assert float(stated) == pytest.approx(share, rel=0.05)
     assert set(with_snapshots(history, [1e6]).snapshot_stress.values) == {1e6}
+
+
+def test_a_joint_that_failed_states_the_force_on_holes_as_far_as_it_is_known(joint):
+    pair = registered(*map(grid, (1e-3 - joint[0], joint[1])), **AS_SCANNED)
+    pair = pair._replace(holes=np.ones(SHAPE, bool))
+    history = closed(joint, 2e6, snapshots=[0.0, 1e6], cycles=1)
+    (line,) = _force_in_holes(pair, history, 2e6)
+    assert line.endswith("100 % of the force at 1 MPa (not known at 2 MPa, which was not reached)")
+    for stresses in ([0.0], []):
+        stored = history.isel(snapshot=history.snapshot_stress.isin(stresses))
+        (line,) = _force_in_holes(pair, stored, 2e6)
+        assert "is not known, as the joint reached no stress" in line
 
 
 @settings(EXAMPLES, max_examples=4)

@@ -24,6 +24,7 @@ from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.execution.workers import Failed, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.conditions import (
+    SCAN_DEFAULTS,
     Changes,
     Conditions,
     conditions_from,
@@ -544,7 +545,8 @@ def assess(
     report : callable
         Receives the finished share and the variant that was simulated.
     conditions, **changes
-        As for `jointclosure.simulate`; breakage is resolved unless ``numerics`` are given.
+        As for `jointclosure.simulate`. Without ``conditions`` breakage is resolved, unless
+        ``numerics`` are given; ``conditions`` keep their numerics, by default the paper's steps.
 
     Returns
     -------
@@ -555,19 +557,19 @@ def assess(
     InputError
         If an argument is out of its range or a scan cannot be read.
     """
-    changes = changes if conditions else {"numerics": RESOLVED} | changes
-    given = checked_request(conditions_from(conditions, changes, "assess"), within, budget)
+    stated = conditions_from(conditions, changes, "assess", defaults=SCAN_DEFAULTS)
+    given = checked_request(stated, within, budget)
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
-    stated, ladder, variants = assessed_variants(on_grid(given, spacing)._replace(flow=False))
+    setting, ladder, variants = assessed_variants(on_grid(given, spacing)._replace(flow=False))
     tasks = [
         (name, joint, copy)
         for name, joint in itertools.product(variants, range(len(pairs)))
-        for copy in (COPIES if name == stated or len(pairs) == 1 else ["as it is"])
+        for copy in (COPIES if name == setting or len(pairs) == 1 else ["as it is"])
     ]
-    closures = closures_of(tasks, stated, variants, pairs, folder, workers, report)
-    return Assessment(closures, ladder, stated, within, budget)
+    closures = closures_of(tasks, setting, variants, pairs, folder, workers, report)
+    return Assessment(closures, ladder, setting, within, budget)
 
 
 def checked_request(

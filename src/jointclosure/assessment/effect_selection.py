@@ -212,7 +212,8 @@ class Pilot:
             return "cannot be computed"
         # whatever the one closure of an elastic joint is, it is off by as much in some cycle
         least = np.ptp(net) / (net.max() + net.min())
-        if "breakage" in names and len(set(self.conditions.load.cycles)) == 1 and least > tolerance:
+        alike = len(set(self.conditions.load.load_cycles)) == 1
+        if "breakage" in names and alike and least > tolerance:
             words = "or more (net closure), as all cycles would be alike"
             return f"of a cycle changes by {percent(least)} {words}"
         return ""

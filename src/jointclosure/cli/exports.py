@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.results import FIGURES, failed
+from jointclosure.cli.results import FIGURES
 from jointclosure.ensembles.quantities import CURVES
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
@@ -24,7 +24,7 @@ from jointclosure.joint.laws import (
     law_curves,
     loading_hyperbolas,
 )
-from jointclosure.joint.status import LOADING, ONLY_BOUNDS
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS, failed
 from jointclosure.joint.tables import (
     columns_of,
     curve_table,
@@ -52,6 +52,8 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
   interpolation="linear"/>
 """
 _EXPORTED = "constants for other programs (barton_bandis.dat, porepy*.json) and tables for GEOS"
+_FITTED = "PorePy, UDEC, 3DEC"
+"""Programs that receive constants of fitted hyperbolas."""
 _NET = (
     "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
     "the half-spaces; answer.csv, curves.csv and cycles.csv have gross values too"
@@ -67,8 +69,8 @@ def export_files(
 ) -> dict[str, Any]:
     """Return the files of a joint by name, and print which ones are not written.
 
-    ``curves`` is its `stress_table`, with bands if they are known, ``cycle`` that of whose loading
-    the constants for other programs are. A joint that failed has no files.
+    ``curves`` is its `stress_table`, with bands if they are known, and ``cycle`` is the cycle whose
+    loading the constants for other programs describe. A joint that failed has no files.
     """
     if failed(joint):
         return {}
@@ -90,12 +92,15 @@ def export_files(
     print(f"\nFiles\n- {_NET}")
     for remark in export_remarks(joint, cycle):
         print(f"- {remark}")
-    of_laws = partial(barton_bandis_commands, laws=laws)
-    of_cycle = [
-        partial(export, cycle=cycle)
-        for export in (of_laws, porepy_files, geos_files, geos_barton_bandis)
-    ]
-    for export in (itasca_tables, *of_cycle, fracture_mesh):
+    fitted = fitted_loading(joint, curves, cycle)
+    for export in (
+        itasca_tables,
+        partial(barton_bandis_commands, laws=laws, cycle=cycle, fitted=fitted),
+        partial(porepy_files, cycle=cycle, fitted=fitted),
+        partial(geos_files, cycle=cycle),
+        partial(geos_barton_bandis, cycle=cycle),
+        fracture_mesh,
+    ):
         try:
             files |= export(joint, curves)
         except InputError as error:  # the files of other programs are still written
@@ -136,7 +141,7 @@ def _beyond_measured(joint: xr.Dataset, cycle: int) -> bool:
 
 
 def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of loadings whose closure is known, without further named stresses."""
+    """Return the rows of loadings where closure is known, without stresses that a user named."""
     usual = curves.normal_stress_MPa.isin(history_of(joint).table_levels() / 1e6)
     loading = curves[usual & (curves.branch == LOADING)]
     return loading.dropna(subset=columns_of(curves, "closure_net_since_seating_mm"))
@@ -160,13 +165,12 @@ def _of_loading(joint: xr.Dataset, cycle: int) -> str:
 
 
 def _loading_by_ending(
-    joint: xr.Dataset, curves: pd.DataFrame, program: str, cycle: int
+    joint: xr.Dataset, curves: pd.DataFrame, cycle: int
 ) -> dict[str, pd.DataFrame]:
     """Return the rows of the loading of a cycle, by endings of files.
 
-    The ending "" is that of the joint, the others of `_OF_BAND` are those of ends of bands that are
-    known. Raise `InputError`, which names the ``program``, if the loading does not begin at or
-    below the seating stress.
+    The ending "" is that of the joint, the others of `_ENDS` are those of ends of bands that are
+    known. Raise `InputError` if the loading does not begin at or below the seating stress.
     """
     history = history_of(joint)
     loading = history.cycles[cycle - 1].loading
@@ -175,12 +179,12 @@ def _loading_by_ending(
     begins = loading.has_steps and history.stress[loading.steps].min() <= history.seating_stress
     if rows.empty or not begins:
         raise InputError(
-            f"{program}: the loading of cycle {cycle} does not begin at or below the seating "
-            f"stress, {history.seating_stress:g} Pa"
+            f"the loading of cycle {cycle} does not begin at or below the seating stress, "
+            f"{history.seating_stress:g} Pa"
         )
     of_ends = {}
     shown = [name for name in CURVES if name in rows]
-    for ending in _OF_BAND:
+    for ending in _ENDS:
         if f"{shown[0]}{ending}" in rows:
             of_end = {name: rows[f"{name}{ending}"] for name in shown}
             about = rows[["cycle", "normal_stress_MPa"]]
@@ -188,18 +192,43 @@ def _loading_by_ending(
     return of_ends
 
 
-_OF_BAND = {
-    "": "",
-    "_low": ", low end of its band",
-    "_high": ", high end of its band",
-    "_low_with_choices": ", low end of its band with other choices of the model",
-    "_high_with_choices": ", high end of its band with other choices of the model",
+class _End(NamedTuple):
+    """The joint, or an end of its bands: addition to titles, ending of constants, and their joint.
+
+    The constants are fitted to this end of the band of closure. They are not the ends of ranges: a
+    joint that closes less may have a larger or a smaller kni.
+    """
+
+    title: str
+    ending: str
+    joint: str
+
+
+_CHOICES = " with other choices of the model"
+_ENDS = {
+    "": _End("", "", "the joint"),
+    "_low": _End(", low end of its band", "_closes_less", "a joint that closes less"),
+    "_high": _End(", high end of its band", "_closes_more", "a joint that closes more"),
+    "_low_with_choices": _End(
+        f", low end of its band{_CHOICES}",
+        "_closes_less_with_choices",
+        f"a joint that closes less,{_CHOICES}",
+    ),
+    "_high_with_choices": _End(
+        f", high end of its band{_CHOICES}",
+        "_closes_more_with_choices",
+        f"a joint that closes more,{_CHOICES}",
+    ),
 }
-"""Endings of columns of a `stress_table`, and what they are called in titles."""
+"""The joint and the ends of its bands, by endings of columns of a `stress_table`."""
 
 
 def _about_ranges(curves: pd.DataFrame, low: str, high: str, choices: str) -> list[str]:
-    """Say which range names that end in ``low`` and ``high`` have, and those in ``choices``."""
+    """Explain the endings of names.
+
+    These are ``low`` and ``high`` for ends of the range, with ``choices`` appended for the wider
+    range.
+    """
     lines: list[str] = []
     if has_bands(curves):
         lines.append(
@@ -214,19 +243,6 @@ def _about_ranges(curves: pd.DataFrame, low: str, high: str, choices: str) -> li
     return lines
 
 
-_CHOICES = ", with other choices of the model"
-_CLOSES = {
-    "": ("", "the joint"),
-    "_low": ("_closes_less", "a joint that closes less"),
-    "_high": ("_closes_more", "a joint that closes more"),
-    "_low_with_choices": ("_closes_less_with_choices", f"a joint that closes less{_CHOICES}"),
-    "_high_with_choices": ("_closes_more_with_choices", f"a joint that closes more{_CHOICES}"),
-}
-"""Endings of constants and their joints, by endings of the band of closure to which they are
-fitted. The constants themselves are not the ends of ranges: one that closes less may have a larger
-or a smaller kni."""
-
-
 class Hyperbola(NamedTuple):
     """Hyperbola of a loading: kni [Pa/m], Vm [m], mean aperture at seating [m] and cycle."""
 
@@ -236,10 +252,8 @@ class Hyperbola(NamedTuple):
     cycle: int
 
 
-def _hyperbolas(
-    joint: xr.Dataset, curves: pd.DataFrame, program: str, cycle: int
-) -> dict[str, Hyperbola]:
-    """Return the hyperbolas of a loading by endings of `_CLOSES`; print what has none.
+def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> dict[str, Hyperbola]:
+    """Return the hyperbolas of a loading by endings of constants; print which ends have none.
 
     They are net, because programs deform the rock themselves, and count from the seating stress,
     at which all have the aperture of the joint. That of the joint is the one of `fitted_laws`;
@@ -248,20 +262,27 @@ def _hyperbolas(
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
     law = LAWS["hyperbolic"]
-    loadings = _loading_by_ending(joint, curves, program, cycle)
+    loadings = _loading_by_ending(joint, curves, cycle)
     former = history.former_maxima[cycle - 1]
     if former:
         raise InputError(
-            f"{program}: the loading of cycle {cycle} goes beyond its former maximum, "
+            f"the loading of cycle {cycle} goes beyond its former maximum, "
             f"{1e-6 * former:.3g} MPa, which is no hyperbola"
         )
     aperture = 1e3 * history.curve("mean_aperture").seat(cycle, LOADING)
     stress, closure = law_curves(joint)[cycle, LOADING]
     found = {}
+
+    def leave_out(end: _End, reason: str) -> None:
+        """Print why an end of the band has no constants; without those of the joint raise this."""
+        if not end.ending:
+            raise InputError(reason)
+        print(f"- {_FITTED}: not written: {end.joint} (end of the band of closure): {reason}")
+
     for of_band, rows in loadings.items():
-        ending, which = _CLOSES[of_band]
+        end = _ENDS[of_band]
         if rows.closure_net_since_seating_mm.isna().any():  # with other choices of the model
-            print(f"- {program}: not written: {which}: its closure is not known at every stress")
+            leave_out(end, "its closure is not known at every stress")
             continue
         more = _difference_at(stress, rows, loadings[""], seating)
         (stiffness, largest), _, _ = fit_law(law, stress, closure + more, seating)
@@ -275,21 +296,38 @@ def _hyperbolas(
                     f"the loading of cycle {cycle} does not determine kni, which is less than its "
                     "standard error"
                 )
-            if not ending:
-                raise InputError(f"{program}: {reason}")
-            print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
+            leave_out(end, reason)
             continue
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
-            reason = (
+            leave_out(
+                end,
                 f"the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm "
-                f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive"
+                f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive",
             )
-            if not ending:
-                raise InputError(f"{program}: {reason}")
-            print(f"- {program}: not written: {which} (end of the band of closure): {reason}")
             continue
-        found[ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture, cycle)
+        found[end.ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture, cycle)
     return found
+
+
+class FittedLoading(NamedTuple):
+    """Hyperbolas of a loading by endings of constants, or the ``reason`` why the joint has none."""
+
+    hyperbolas: dict[str, Hyperbola]
+    reason: str = ""
+
+    def required_by(self, programs: str) -> dict[str, Hyperbola]:
+        """Return the hyperbolas; raise `InputError`, which names programs, if there are none."""
+        if self.reason:
+            raise InputError(f"{programs}: {self.reason}")
+        return self.hyperbolas
+
+
+def fitted_loading(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> FittedLoading:
+    """Fit hyperbolas to a loading, and to the ends of its band of closure (`_hyperbolas`)."""
+    try:
+        return FittedLoading(_hyperbolas(joint, curves, cycle))
+    except InputError as error:
+        return FittedLoading({}, str(error))
 
 
 def _difference_at(
@@ -306,15 +344,16 @@ def _difference_at(
 
 
 def porepy_files(
-    joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1
+    joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1, fitted: FittedLoading | None = None
 ) -> dict[str, dict[str, float]]:
     """Return PorePy's Barton-Bandis constants [Pa/m, m, m] of the loading of a cycle.
 
-    With a flow, print the ratio of the hydraulic to the mean aperture, of which the constants are.
+    They are those of its hyperbolas, which are ``fitted`` unless they are given. Their aperture is
+    the mean aperture; for a joint with flow the ratio of the hydraulic aperture to it is printed.
     """
-    hyperbolas = _hyperbolas(joint, curves, "PorePy", cycle)
+    hyperbolas = (fitted or fitted_loading(joint, curves, cycle)).required_by("PorePy")
     if history_of(joint).has_flow:
-        top = _loading_by_ending(joint, curves, "PorePy", cycle)[""].iloc[-1]
+        top = _loading_by_ending(joint, curves, cycle)[""].iloc[-1]
         ratio = top.hydraulic_aperture_mm / top.mean_aperture_mm
         text = f"{ratio:.2g} times it" if np.isfinite(ratio) else "not known"
         text = "0 (blocked)" if ratio == 0.0 else text
@@ -342,14 +381,19 @@ end
 
 
 def barton_bandis_commands(
-    joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws, cycle: int = 1
+    joint: xr.Dataset,
+    curves: pd.DataFrame,
+    laws: JointLaws,
+    cycle: int = 1,
+    fitted: FittedLoading | None = None,
 ) -> dict[str, str]:
     """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
 
     Those fitted to the loading of a cycle count from seating, and are given for joints at the ends
-    of the bands of closure too. Those fitted to the other loadings have the number of their cycle
-    in their names. Those of the empirical law, of JRC and JCS at both lengths, are named so, and
-    count from zero stress.
+    of the bands of closure too; its hyperbolas are ``fitted`` unless they are given. Those fitted
+    to the other loadings have the number of their cycle in their names. Those of the empirical law,
+    of JRC and JCS at both lengths, are named so, and count from zero stress. If only these exist,
+    the reason is printed.
     """
     seating = float(joint.attrs["seating_stress_Pa"])
     values: dict[str, tuple[float, str]] = {}
@@ -374,36 +418,34 @@ def barton_bandis_commands(
         where = f"of the empirical law (JRC, JCS), cycle {number}, from zero stress"
         values[f"bb_empirical_kni_cycle_{number}"] = law.initial_stiffness, f"kni (Pa/m) {where}"
         values[f"bb_empirical_vm_cycle_{number}"] = law.largest_closure, f"Vm (m) {where}"
-    try:
-        fitted = _hyperbolas(joint, curves, "UDEC, 3DEC", cycle)
-        function = _STIFFNESS_FUNCTION
-    except InputError as error:
-        if not values:
-            raise
-        fitted = {}
-        function = f"; no constants of the simulated joint: {error}\n"
-    joints = dict(_CLOSES.values())
-    for ending, known in fitted.items():
+    fitted = fitted or fitted_loading(joint, curves, cycle)
+    function = _STIFFNESS_FUNCTION
+    if fitted.reason and values:
+        function = f"; no constants of the simulated joint: UDEC, 3DEC: {fitted.reason}\n"
+        print(f"- not written: constants of the simulated joint: UDEC, 3DEC: {fitted.reason}")
+    hyperbolas = fitted.hyperbolas if values else fitted.required_by("UDEC, 3DEC")
+    joints = {end.ending: end.joint for end in _ENDS.values()}
+    for ending, known in hyperbolas.items():
         end = f": {joints[ending]}, an end of the band of closure" if ending else ""
         where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {known.cycle}{end}"
         values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
-    others = [number for number in joint.cycle.values if fitted and number != cycle]
+    others = [number for number in joint.cycle.values if hyperbolas and number != cycle]
     for number, constants in loading_hyperbolas(joint, others).iterrows():
         if np.isfinite(constants).all():
             where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {number}"
             values[f"bb_kni_cycle_{number}"] = 1e9 * constants.kni_MPa_per_mm, f"kni (Pa/m) {where}"
             values[f"bb_vm_cycle_{number}"] = 1e-3 * constants.vm_mm, f"Vm (m) {where}"
-    if fitted:
+    if hyperbolas:
         values["bb_seating"] = seating, "seating stress (Pa)"
     lines = [f"[global {name} = {value:.6e}] ; {about}" for name, (value, about) in values.items()]
     head = ["; Barton-Bandis constants in SI, net of the deformation of the rock"]
-    if fitted:
+    if hyperbolas:
         head.append(
             "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
             f"{_of_loading(joint, cycle)}"
         )
-        head.append(f"; {_about_tangent(fitted[''], _known_loadings(joint, curves), seating)}")
+        head.append(f"; {_about_tangent(hyperbolas[''], _known_loadings(joint, curves), seating)}")
         ranges = _about_ranges(curves, "_closes_less", "_closes_more", "_with_choices")
         head += [f"; {line}" for line in ranges]
     return {"barton_bandis.dat": "\n".join([*head, *lines]) + "\n" + function}
@@ -412,12 +454,13 @@ def barton_bandis_commands(
 def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> dict[str, str]:
     """Return gaps and apertures [m], hydraulic or mean, of a loading as GEOS reads them.
 
-    The function of GEOS names one of the tables; what is not written is printed, and a table of the
-    upper bound.
+    `geos.xml` names the first table that can be written. Printed are the tables that are not
+    written, and a note if the named one is a bound or an end of a band.
     """
     if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
-    parts = _loading_by_ending(joint, curves, "GEOS", cycle)
+    with naming("GEOS"):
+        parts = _loading_by_ending(joint, curves, cycle)
     closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
@@ -435,7 +478,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> dict[
         if not missing.any():
             # falls with stress, so that no aperture exceeds those before
             apertures[name] = np.minimum.accumulate(aperture)
-            titles[name] = CURVES[column][0].removesuffix(" (mm)") + _OF_BAND[ending]
+            titles[name] = CURVES[column][0].removesuffix(" (mm)") + _ENDS[ending].title
             continue
         first = rows.normal_stress_MPa.iloc[int(np.argmax(missing))]
         reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
@@ -463,8 +506,8 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> dict[
     return {name: "".join(lines[name]) for name in lines} | {"geos.xml": form}
 
 
-_TENTH = 9.0
-"""GEOS' BartonBandis has a tenth of the aperture at the reference stress: a0/(1 + 9 s/s_ref)."""
+_COMPLIANCE_FACTOR = 9.0
+"""Factor 9 of GEOS' BartonBandis, a0/(1 + 9 s/s_ref): at s_ref a tenth of a0 is left."""
 
 
 def _about_tangent(law: Hyperbola, loadings: pd.DataFrame, seating: float) -> str:
@@ -492,7 +535,8 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
     """
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title = CURVES[column][0].removesuffix(" (mm)")
-    parts = _loading_by_ending(joint, curves, "GEOS", cycle)
+    with naming("GEOS"):
+        parts = _loading_by_ending(joint, curves, cycle)
     lines = [f"  <!-- of the loading of {_of_loading(joint, cycle)} -->"]
     about = _about_ranges(curves, "_low", "_high", "_with_choices")
     lines += [f"  <!-- {line} -->" for line in about]
@@ -512,7 +556,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
                 raise InputError(f"GEOS: BartonBandis: {must}")
             print(f"- not written: {name} of geos_barton_bandis.xml: {must}")
             continue
-        reference = _TENTH * start / slope
+        reference = _COMPLIANCE_FACTOR * start / slope
         miss = np.abs(1.0 / (start + slope * stress) - aperture)
         lines += [
             f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: off by up to "
@@ -598,9 +642,9 @@ def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     """
     upper = joint.upper_final.values
     lower = joint.lower_final.values
-    opening = float((upper + lower).max())
-    aperture = np.maximum(opening - upper - lower, 0.0)
-    midplane = lower + 0.5 * (opening - upper - lower)
+    together = upper + lower
+    aperture = together.max() - together  # exactly 0 at first touch
+    midplane = lower + 0.5 * aperture
     ny, nx = upper.shape
     y, x = np.indices(upper.shape) * history_of(joint).spacing
     points = np.column_stack([x.ravel(), y.ravel(), midplane.ravel()])
@@ -610,7 +654,7 @@ def fracture_mesh(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, tuple]:
     of_corners = aperture.ravel()[triangles]
     fields = {
         "aperture": of_corners.mean(axis=1),
-        "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
+        "contact": (of_corners == 0.0).any(axis=1).astype(np.int32),
         "MaterialIDs": np.zeros(len(triangles), np.int32),
     }
     return {"fracture.vtu": (points, triangles, fields)}

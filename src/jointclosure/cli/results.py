@@ -14,7 +14,7 @@ from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
-from jointclosure.joint.status import FAILURE, LOADING, ONLY_BOUNDS, STATUSES
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS, STATUSES, failed
 from jointclosure.joint.tables import (
     HYDRAULIC,
     columns_of,
@@ -357,11 +357,6 @@ def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
         if of_run.any():
             parts.append(f"{texts[0]} to {texts[-1]}" if len(texts) > 2 else ", ".join(texts))
     return ", ".join(parts)
-
-
-def failed(closed: xr.Dataset) -> bool:
-    """Return whether a simulation failed."""
-    return int(closed.status) >= FAILURE
 
 
 def status_text(closed: xr.Dataset) -> str:

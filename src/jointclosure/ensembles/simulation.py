@@ -22,7 +22,7 @@ from jointclosure.joint.conditions import (
 )
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.stated_conditions import checked_as_stated
-from jointclosure.joint.status import FAILURE, FLAGS, LOADING, UNLOADING
+from jointclosure.joint.status import FLAGS, LOADING, UNLOADING, failed
 from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.walls import CrushedWalls, Walls
@@ -69,9 +69,9 @@ def simulate_row(walls: Walls | CrushedWalls, reading: Reading) -> Row:
 
 def read_joint(joint: SimulatedJoint, names: Iterable[str]) -> Row:
     """Read quantities of a simulated joint; of one that failed only those of effort."""
-    failed = int(joint.closed.status) >= FAILURE
+    has_failed = failed(joint.closed)
     read = {name: QUANTITIES[name] for name in names}
-    return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not failed}
+    return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not has_failed}
 
 
 def stack_rows(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading) -> xr.Dataset:
@@ -189,7 +189,7 @@ def _rows(
             rows[places[at]] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
 
-    def failed(kind: type[Exception]) -> list[int]:
+    def numbers_of(kind: type[Exception]) -> list[int]:
         return [i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), kind)]
 
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
@@ -197,12 +197,12 @@ def _rows(
         prepare_kernels([reading.conditions.model], workers)
     with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
         simulate(valid, workers, show)
-        if lost := failed(ProcessLostError):
+        if lost := numbers_of(ProcessLostError):
             again = f"simulating again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}"
             warnings.warn(again, stacklevel=3)
             # fewer at a time, because the usual reason is lack of memory; never in this process
             simulate(lost, min(workers, 2), show)
-    if 0 < len(without := failed(Exception)) < len(rows):
+    if 0 < len(without := numbers_of(Exception)) < len(rows):
         warnings.warn(
             f"{len(without)} of {len(rows)} joints could not be simulated and are NaN: seeds "
             f"{labels[without].tolist()}; `error` states the reasons, the first is "

@@ -1,14 +1,20 @@
 """Conditions of a simulation: rock, load and model, as every function that simulates takes them."""
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, TypedDict, cast
 
-import numpy as np
-
-from jointclosure.inputs import InputError, check_count, check_length, check_number
+from jointclosure.inputs import InputError, check_length, check_number
 from jointclosure.inputs.keywords import check_keywords, takes
+from jointclosure.joint.load import (
+    LARGEST_SEATING,
+    Load,
+    LoadCycle,
+    check_snapshots,
+    check_turns,
+    stated_load,
+    usual_seating,
+)
 from jointclosure.joint.rocks import ROCKS, both_walls, rock_record
 from jointclosure.parameters import (
     RESOLVED,
@@ -22,106 +28,6 @@ from jointclosure.parameters import (
     check_usual,
     in_double,
 )
-
-USUAL_CYCLES = 2
-MOST_CYCLES = 10_000
-SEATING_STRESS = 0.5e6  # usual stress [Pa] from which seated closures count, as in laboratories
-LARGEST_SEATING = 0.9
-"""Largest seating stress over the smallest maximum of the load."""
-_SEATING_SHARE = 0.1
-"""Default seating stress over the smallest maximum of the load, where the usual one is larger."""
-
-
-class LoadCycle(NamedTuple):
-    """Loading to a maximum and unloading to a minimum, in one unit; 0 is last contact."""
-
-    maximum: float
-    minimum: float = 0.0
-
-
-class Load(NamedTuple):
-    """Checked load of a joint.
-
-    ``cycles`` are its load cycles [Pa]. ``stresses`` [Pa] are those that were stated: where the
-    load turns if ``is_history``, else the maximum of all cycles.
-    """
-
-    cycles: tuple[LoadCycle, ...]
-    stresses: tuple[float, ...]
-    is_history: bool
-
-    @property
-    def largest(self) -> float:
-        """Largest stress [Pa], of the type in which it was stated."""
-        return max(self.stresses)
-
-
-def stated_load(
-    max_normal_stress: float | Sequence[float] | Load, cycles: int | None = None
-) -> Load:
-    """Return the load that is stated (see `Conditions`), or raise `InputError`.
-
-    A `Load` is returned as it is, unless another number of cycles is stated.
-    """
-    if isinstance(max_normal_stress, Load):
-        load = max_normal_stress
-        if cycles is None or cycles == len(load.cycles):
-            return load
-        return parsed_load(load.stresses, load.is_history, cycles)
-    if _is_history(max_normal_stress):
-        return parsed_load(tuple(cast(Sequence[float], max_normal_stress)), True, cycles)
-    return parsed_load((cast(float, max_normal_stress),), False, cycles)
-
-
-def parsed_load(given: tuple[float, ...], is_history: bool, cycles: int | None = None) -> Load:
-    """Return the load of the stresses [Pa] that are stated, or raise `InputError`."""
-    if cycles is not None:
-        check_count("cycles", cycles, 1, MOST_CYCLES)
-    if len(given) > 2 * MOST_CYCLES:
-        raise InputError(
-            f"max_normal_stress: has {len(given)} stresses, must have at most {2 * MOST_CYCLES}"
-        )
-    if not given:
-        raise InputError("max_normal_stress = []: a load history needs a maximum")
-    for turn in given:
-        check_number("max_normal_stress", turn)
-    in_mpa = ", ".join(f"{1e-6 * turn:g}" for turn in given)
-    shown = f"(--stress) = {f'[{in_mpa}]' if is_history else in_mpa} MPa"
-    stresses = [*map(float, given), *([0.0] if len(given) % 2 else [])]
-    maxima = stresses[::2]
-    minima = stresses[1::2]
-    for number, (maximum, minimum) in enumerate(zip(maxima, minima, strict=True)):
-        if not 0.0 < maximum < math.inf:
-            raise InputError(f"max_normal_stress {shown}: must be positive and finite")
-        lowest = min(maxima[number : number + 2])
-        if not 0.0 <= minimum < lowest:
-            raise InputError(
-                f"max_normal_stress {shown}: maxima and minima alternate, and the minimum "
-                f"{1e-6 * minimum:g} MPa must be at least 0 and below the maxima beside it "
-                f"({1e-6 * lowest:g} MPa)"
-            )
-    if not is_history:
-        same = (LoadCycle(maxima[0]),) * (USUAL_CYCLES if cycles is None else int(cycles))
-        return Load(same, given, is_history)
-    if cycles is not None and cycles != len(maxima):
-        raise InputError(
-            f"cycles = {cycles!r}: must be {len(maxima)}, the number of cycles of the load "
-            f"history [{in_mpa}] MPa, or left out"
-        )
-    return Load(tuple(map(LoadCycle, maxima, minima)), given, is_history)
-
-
-def usual_seating(least: float) -> float:
-    """Return the default seating stress [Pa] for the smallest maximum [Pa] of a load."""
-    low = 0.0 < LARGEST_SEATING * least < SEATING_STRESS
-    return _SEATING_SHARE * least if low else SEATING_STRESS
-
-
-def _is_history(stress: object) -> bool:
-    """Return whether a stated load is a sequence of stresses, and not a single maximum."""
-    if isinstance(stress, np.ndarray):
-        return stress.ndim == 1
-    return isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
 
 
 class Changes(TypedDict, total=False):
@@ -186,17 +92,24 @@ class Conditions(NamedTuple):
 
     @property
     def load(self) -> Load:
-        """Load [Pa]: of conditions that are not checked, that of `stated_load`, or `InputError`."""
+        """Load [Pa].
+
+        It is parsed from ``max_normal_stress`` and ``cycles`` if the conditions are not checked,
+        which may raise `InputError`.
+        """
         return stated_load(self.max_normal_stress, self.cycles)
 
     @property
     def is_checked(self) -> bool:
-        """Whether these are conditions that `checked` returned, or a copy with other values."""
+        """Whether these are conditions that `checked` returned, or a copy of them.
+
+        This does not say that values which the copy replaced are allowed.
+        """
         return isinstance(self.max_normal_stress, Load)
 
     @property
     def cycle_count(self) -> int:
-        return len(self.load.cycles)
+        return len(self.load.load_cycles)
 
     @property
     def grid_spacing(self) -> float:
@@ -222,7 +135,7 @@ class Conditions(NamedTuple):
         """
         load = self.load
         given = [f"{1e-6 * stress:g}" for stress in load.stresses]
-        cycles = len(load.cycles)
+        cycles = len(load.load_cycles)
         text = f"{', '.join(given)} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
         if len(given) == 2 and "." not in "".join(given):
             high, low = given
@@ -231,7 +144,7 @@ class Conditions(NamedTuple):
 
     def attributes(self) -> dict[str, Any]:
         """Return checked conditions as attributes of a dataset."""
-        load = self.load.cycles
+        load = self.load.load_cycles
         repeated = load == (LoadCycle(load[0].maximum),) * len(load)
         turns = [stress for cycle in load for stress in cycle]
         return model_attributes(self.rock, self.grid_spacing, *self.model) | {
@@ -242,8 +155,9 @@ class Conditions(NamedTuple):
     def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
         """Return the conditions with their values as simulations use them.
 
-        These are both rocks, the `Load`, its number of cycles and the seating stress. Raise
-        `InputError` if a condition, or a stress [Pa] of the snapshots, is not allowed.
+        Replaced are ``rock`` by both rocks, ``max_normal_stress`` by a `Load`, ``cycles`` by its
+        number, and ``seating_stress`` by its default if not stated. Raise `InputError` if a
+        condition, or a stress [Pa] of the snapshots, is not allowed.
         """
         pair: tuple[Rock, Rock] = both_walls(self.rock)
         check_model(*self.model)
@@ -251,18 +165,20 @@ class Conditions(NamedTuple):
             check_length("spacing", self.spacing)
         load = self.load
         if self.effects.breakage or self.numerics.solver == "reference":  # else turns are exact
-            _check_turns(load.cycles, self.numerics.stress_tolerance)
+            check_turns(load, self.numerics.stress_tolerance)
         if not self.unusual_values:
             given = self._asdict() | self.choices._asdict() | self.numerics._asdict()
+            del given["max_normal_stress"]  # of which every maximum is checked
+            check_usual(pair, **given)
             for maximum in load.stresses[::2]:
-                check_usual(pair, **given | {"max_normal_stress": maximum})
-        least = min(cycle.maximum for cycle in load.cycles)
+                check_usual((), max_normal_stress=maximum)
+        least = load.least_maximum
         seating = usual_seating(least) if self.seating_stress is None else self.seating_stress
         check_number("seating_stress", seating)
         if not 0.0 <= seating <= LARGEST_SEATING * least:
             raise InputError(
-                f"seating_stress = {seating!r} Pa: must be from 0 to {LARGEST_SEATING:g} of the "
-                f"smallest maximum of max_normal_stress, {least!r} Pa"
+                f"seating_stress (--seating) = {1e-6 * seating:g} MPa: must be from 0 to "
+                f"{LARGEST_SEATING:g} of the smallest maximum of the load, {1e-6 * least:g} MPa"
             )
         check_snapshots(snapshots, load)
         if not self.unusual_values:
@@ -271,22 +187,11 @@ class Conditions(NamedTuple):
         checked = self._replace(
             rock=pair,
             max_normal_stress=cast(Any, load),  # the annotation has what a user may state
-            cycles=len(load.cycles),
+            cycles=len(load.load_cycles),
             seating_stress=float(seating),
         )
         check_together(checked)
         return checked
-
-
-def check_snapshots(snapshots: Sequence[float], load: Load) -> None:
-    """Raise `InputError` unless the stresses [Pa] of snapshots are from 0 to the largest one."""
-    for stress in snapshots:
-        check_number("snapshots", stress)
-        if not 0.0 <= stress <= load.largest:
-            raise InputError(
-                f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal "
-                f"stress, {1e-6 * load.largest:g} MPa"
-            )
 
 
 def check_together(conditions: Conditions) -> None:
@@ -302,8 +207,8 @@ def check_together(conditions: Conditions) -> None:
     stiffness = min(wall.youngs_modulus for wall in conditions.rock)
     if largest >= stiffness:
         raise InputError(
-            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
-            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+            f"{conditions.load}: must be below the rock's youngs_modulus = "
+            f"{1e-6 * stiffness:g} MPa (in Python both are in Pa)"
         )
 
 
@@ -336,20 +241,6 @@ def check_named_stresses(stresses: Sequence[float], checked: Conditions) -> None
             )
 
 
-def _check_turns(load: Sequence[LoadCycle], tolerance: float) -> None:
-    """Raise `InputError` if a minimum and a maximum beside it may be equal within the tolerance."""
-    for number, cycle in enumerate(load):
-        minimum = cycle.minimum
-        lowest = min(beside.maximum for beside in load[number : number + 2])
-        if minimum * (1.0 + tolerance) >= lowest * (1.0 - tolerance):
-            most = lowest * (1.0 - tolerance) / (1.0 + tolerance)
-            raise InputError(
-                f"max_normal_stress: the minimum {minimum:g} Pa is too close to a maximum beside "
-                f"it, {lowest:g} Pa, as both are met within the stress_tolerance, {tolerance:g}: "
-                f"the minimum must be below {most:.6g} Pa, or the stress_tolerance smaller"
-            )
-
-
 def model_attributes(
     rock: tuple[Rock, Rock], spacing: float, effects: Effects, choices: Choices, numerics: Numerics
 ) -> dict[str, Any]:
@@ -368,20 +259,28 @@ def model_attributes(
 
 takes_conditions = takes(Conditions)
 """Decorator of functions with the fields of `Conditions` as ``**changes``."""
-takes_scans = takes(Conditions, numerics=RESOLVED, spacing=None)
-"""Decorator of functions with the fields of `Conditions` as ``**changes``, where breakage is
-resolved unless numerics are given, and scans determine the spacing."""
+SCAN_DEFAULTS: Mapping[str, Any] = {"numerics": RESOLVED, "spacing": None}
+"""Values of functions that take scans, which hold without ``conditions``."""
+takes_scans = takes(Conditions, **SCAN_DEFAULTS)
+"""Decorator of functions with the fields of `Conditions` as ``**changes``, where scans determine
+the spacing. Without ``conditions`` breakage is resolved, unless ``numerics`` are given;
+``conditions`` keep their numerics, by default the paper's steps."""
 
 
 def conditions_from(
-    conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
+    conditions: Conditions | None,
+    changes: Mapping[str, Any],
+    function: str,
+    *required: str,
+    defaults: Mapping[str, Any] = {},
 ) -> Conditions:
     """Return ``conditions`` with the fields ``changes``, or new conditions with these fields.
 
+    New conditions have the ``defaults`` of the function for fields that are not among the changes.
     Values are not checked. Raise `TypeError` for an unknown field, and for new conditions without
     rock, maximum stress or one of the ``required`` fields; the message names the ``function``.
     """
-    needed = () if conditions else (*required, "rock", "max_normal_stress")
+    needed = (*required, "rock", "max_normal_stress") if conditions is None else ()
     inside = {
         "rock": Rock._fields,
         "effects": Effects._fields,
@@ -390,5 +289,5 @@ def conditions_from(
     }
     check_keywords(function, changes, Conditions._fields, needed, inside)
     if conditions is None:
-        return Conditions(**{"spacing": None, **changes})
+        return Conditions(**{"spacing": None, **defaults, **changes})
     return conditions._replace(**changes)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.joint.conditions import LoadCycle
+from jointclosure.joint.load import LoadCycle
 from jointclosure.joint.status import (
     BRANCHES,
     FAILURE,
@@ -201,7 +201,11 @@ def run_cycles(
             replayed += 1
             continue
         former = max((earlier.maximum for earlier in cycles[: cycle - 1]), default=0.0)
-        _load(run, cycle, former, *(numerics[:2] if cycle == 1 else numerics[2:4]))
+        if cycle == 1:
+            steps = numerics.displacement_step, numerics.breakage_step
+        else:
+            steps = numerics.later_displacement_step, numerics.later_breakage_step
+        _load(run, cycle, former, *steps)
         if run.failed:
             break
         if (last := run.steps[-1]).cycle < cycle:  # breakage jumped over the maximum at once

@@ -15,8 +15,6 @@ from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
-    LoadCycle,
-    check_snapshots,
     check_together,
     conditions_from,
     model_attributes,
@@ -29,6 +27,7 @@ from jointclosure.joint.feasibility import (
     joint_strength,
 )
 from jointclosure.joint.history import history_of
+from jointclosure.joint.load import LoadCycle, check_snapshots
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.snapshots import Snapshots, fields_of
 from jointclosure.joint.stated_conditions import checked_as_stated
@@ -280,7 +279,7 @@ class Simulation:
             tolerance = joint.numerics.stress_tolerance
             observers.append(Snapshots(self.snapshots, tolerance, self.datums))
         forces = [
-            LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load.cycles
+            LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load.load_cycles
         ]
         seating_force = cast(float, conditions.seating_stress) * area
         history = cycling.run_cycles(joint, self.solver, forces, seating_force, report, observers)
@@ -412,7 +411,7 @@ def _history_dataset(
     joint: Joint, history: cycling.StepRecord, area: float, conditions: Conditions
 ) -> xr.Dataset:
     """Arrange the record of a simulated joint of an area [m2] as the Dataset of `simulate`."""
-    load = conditions.load.cycles
+    load = conditions.load.load_cycles
     cycle, branch, settled, heights = zip(*history.steps, strict=True)
     attributes = {"title": "closure of a rough joint"} | conditions.attributes()
 

@@ -60,6 +60,11 @@ ONLY_BOUNDS = FLOW_STATUSES[2:]
 """Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
 
+def failed(joint: Any) -> bool:
+    """Return whether the simulation of a joint failed, by the status in its dataset."""
+    return int(joint.status) >= FAILURE
+
+
 def unbreakable_share(joint: Any) -> Any:
     """Return the share of the force on contacts that cannot break, locked or flat."""
     return joint.locked_share + joint.flat_share

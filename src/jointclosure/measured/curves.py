@@ -50,7 +50,7 @@ class TableLine(NamedTuple):
     text: str
 
 
-class Column(NamedTuple):
+class CurveColumn(NamedTuple):
     """Position of a column in the rows, and its unit in SI."""
 
     position: int
@@ -142,7 +142,7 @@ def parsed_curve(
     every = [TableLine(number, line) for number, line in numbered if line.strip()]
     table = _split_table(every, name, names)
     stated = {"stress": stress_unit, "closure": closure_unit}
-    found: dict[str, Column] = {}
+    found: dict[str, CurveColumn] = {}
     for position, quantity in enumerate(_quantities_of_columns(table.header, table.where, names)):
         if quantity not in _ALLOWED:
             continue
@@ -158,7 +158,7 @@ def parsed_curve(
             unit = _unit_of_column(quantity, heading, stated[quantity], what, by_columns, of_study)
             factor = KNOWN[unit] / _area_of_unit(unit, area, what, of_study)
             _check_preamble(every, table.body, name, what, unit, bool(heading.unit))
-        found[quantity] = Column(position, factor)
+        found[quantity] = CurveColumn(position, factor)
     missing = [n for n in _ALLOWED if n not in found and (n != "cycle" or cycle is None)]
     if missing:
         others = "; --columns, or columns= in Python, names or numbers others" if cycle else ""
@@ -211,7 +211,7 @@ def _split_table(every: Sequence[TableLine], name: str, names: Sequence[str] | N
 
 
 def _parsed_columns(
-    body: Sequence[tuple[int, list[str]]], found: dict[str, Column], name: str
+    body: Sequence[tuple[int, list[str]]], found: dict[str, CurveColumn], name: str
 ) -> dict[str, np.ndarray]:
     """Return the numbers (n,) of each column that was found, in the units of the file."""
     if not body:

@@ -92,7 +92,10 @@ def place_of_largest(stress: np.ndarray) -> int:
 
 
 def troughs(stress: np.ndarray) -> list[int]:
-    """Return numbers of the points between two loadings, where the stress is smallest."""
+    """Return the indices of the smallest smoothed stress between one loading and the next.
+
+    Reversals within the scatter do not count.
+    """
     values = smoothed(stress)
     largest = float(np.ptp(values))
     least = np.clip(

@@ -9,7 +9,8 @@ import numpy as np
 
 from jointclosure.inputs import InputError, check_count, check_number, check_positive, naming
 from jointclosure.inputs.keywords import check_keywords
-from jointclosure.joint.conditions import Conditions, usual_seating
+from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.load import usual_seating
 from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.curves import MeasuredCurve, check_curve, parsed_curve
 from jointclosure.measured.likelihood import Readings, readings_of_curve

@@ -355,7 +355,10 @@ def _scaled_logarithms(values: np.ndarray) -> np.ndarray:
 
 
 def _values_of_scaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return values from their scaled logarithms."""
+    """Return the values whose logarithms, scaled as `_scaled_logarithms` does, are ``part``.
+
+    These are 0 for the first of ``values`` and 1 for the last.
+    """
     first = np.log(values[0])
     last = np.log(values[-1])
     return np.exp(first + part * (last - first))

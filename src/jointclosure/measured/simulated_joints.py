@@ -17,7 +17,7 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
-from jointclosure.joint.status import FAILURE
+from jointclosure.joint.status import failed
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.measured.compared_quantities import compared_quantities
 from jointclosure.measured.joint_arguments import AskedJoints, SimulatedWalls
@@ -263,7 +263,7 @@ def loadings_of(
     once = simulate_walls(*pair, conditions._replace(cycles=cycles if unchanged else 1))
     yield once
     crushed = once.upper_final.values, once.lower_final.values
-    for later in () if unchanged or cycles == 1 or once.status >= FAILURE else laters:
+    for later in () if unchanged or cycles == 1 or failed(once) else laters:
         conditions = with_strength(first, strength, later)._replace(cycles=cycles - 1)
         seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
         yield simulate_walls(*seated, conditions, pristine=pristine)
@@ -307,12 +307,12 @@ def simulate_surface(
     for place, (number, strength) in enumerate(numbered.items()):
         pair = walls.pair(number, wavelength, scans)
         once, *again = loadings_of(pair, first, cycles, strength, laters)
-        if once.status >= FAILURE:
+        if failed(once):
             report(f"joint {number}: status {int(once.status)}")
             continue
         closures[:, place, : once.sizes["cycle"]] = history_of(once).net.at(levels)
         for kind, history in enumerate(again):
-            if history.status < FAILURE:
+            if not failed(history):
                 closures[kind, place, 1:] = history_of(history).net.at(levels)
         report(f"joint {number} of {strength:.3g} Pa closed")
     dims = ("later", "strength", "cycle", "branch", "stress")

@@ -145,7 +145,10 @@ def contacts(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes
 
 @styled
 def damage(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
-    """Draw the change of both walls' heights since first touch; arguments as for `aperture`."""
+    """Draw the change of the sum of both walls' heights since first touch.
+
+    Arguments are as for `aperture`.
+    """
     return _state_map(axes, joint, snapshot, "change")
 
 

@@ -55,7 +55,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
 MAPS: dict[str, dict[str, Any]] = {
     "aperture": {"label": "aperture (mm), contacts yellow", "extend": "max"},
     "stress": {"label": "stress of cells in contact (MPa)", "extend": "min"},
-    "change": {"label": "change of both walls' height (mm)", "extend": "both"},
+    "change": {"label": "change of the sum of both walls' heights (mm)", "extend": "both"},
 }
 """Maps of a joint's states: label and open ends of their colours."""
 
@@ -100,7 +100,10 @@ def describe_state(snapshot: xr.Dataset) -> tuple[str, str, str]:
 
 
 def change_of_height(closed: xr.Dataset) -> np.ndarray:
-    """Return the change of both walls' heights together (snapshot, y, x) since first touch [m]."""
+    """Return the change of the sum of both walls' heights since first touch.
+
+    It is (snapshot, y, x) in m.
+    """
     now = closed.snapshot_upper.values + closed.snapshot_lower.values
     return now - (closed.upper_first.values + closed.lower_first.values)
 

@@ -37,7 +37,10 @@ class Interval(NamedTuple):
 
 
 def t_interval(samples: np.ndarray) -> Interval:
-    """Return the mean of samples (n,) with its 95 % interval by Student's t; infinite for one."""
+    """Return the mean of samples (n,) with its 95 % interval by Student's t.
+
+    Its ends are infinite for one sample.
+    """
     return _interval_about(
         float(np.mean(samples)), [_squared_error(samples)], [np.size(samples) - 1]
     )

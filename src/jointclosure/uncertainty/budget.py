@@ -16,7 +16,7 @@ from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS
 from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import simulate_walls
-from jointclosure.joint.status import FAILURE
+from jointclosure.joint.status import failed
 from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import OF_ROCK, acting, key_of
 from jointclosure.statistics.number_texts import percent, significant, with_equal_decimals
@@ -335,7 +335,7 @@ def uncertainty_budget(
         """Return the rows of a variant, and its curves; values are unknown if it failed."""
         history = joint.simulated(variant, going_on) if variant.source else closed
         status = -1 if history is None else int(history.status)
-        if history is None or status >= FAILURE:
+        if history is None or failed(history):
             rows = pd.DataFrame({"cycle": known.cycle.unique()})
             rows = rows.assign(**dict.fromkeys(QUANTITIES, np.nan))
             curves = known[["cycle", "branch", "normal_stress_MPa"]]

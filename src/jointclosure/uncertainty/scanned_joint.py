@@ -15,6 +15,7 @@ from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions, without_word
 from jointclosure.joint.conditions import (
+    SCAN_DEFAULTS,
     Changes,
     Conditions,
     check_named_stresses,
@@ -33,10 +34,9 @@ from jointclosure.joint.laws import (
 from jointclosure.joint.rocks import both_walls, rock_text
 from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.stated_conditions import checked_as_stated
-from jointclosure.joint.status import FAILURE
+from jointclosure.joint.status import failed
 from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.joint.warmup import prepare_kernels
-from jointclosure.parameters import RESOLVED
 from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
@@ -62,8 +62,9 @@ class ClosedJoint(NamedTuple):
     ``pair`` has the walls that were closed, and describes their registration in its ``report``;
     ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
     only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
-    are named stresses [Pa] of its curves, ``joint_length`` and ``lab_length`` [m] those of its
-    laws.
+    are stresses [Pa] that ``curves`` have besides round ones. ``lab_length`` [m] is the length of
+    the laboratory joint to which the JRC of the walls and the strength refer, and ``joint_length``
+    [m] that of the joint in the rock mass to which ``laws`` are scaled; None if they are not.
     """
 
     pair: RegisteredPair
@@ -90,10 +91,10 @@ class ClosedJoint(NamedTuple):
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
         table = cycle_table(self.history)
         net, gross = (self._closures_text(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
-        failed = ", failed" if int(self.history.status) >= FAILURE else ""
+        outcome = ", failed" if failed(self.history) else ""
         return (
             f"<ClosedJoint: {self.description}, closes {net} mm net ({gross} mm gross) since "
-            f"{seating:g} MPa ({self.conditions.load_text()}){failed}>"
+            f"{seating:g} MPa ({self.conditions.load_text()}){outcome}>"
         )
 
     def __str__(self) -> str:
@@ -103,12 +104,7 @@ class ClosedJoint(NamedTuple):
     @property
     def description(self) -> str:
         """Rock, cells and size of the joint in words."""
-        ny, nx = self.pair.upper.shape
-        step = 1e3 * self.pair.spacing
-        return (
-            f"{rock_text(self.conditions.rock, self.rock_name)}, "
-            f"{grid_text((ny, nx), self.pair.spacing)} ({nx * step:.3g} x {ny * step:.3g} mm)"
-        )
+        return _description(self.pair, self.conditions, self.rock_name)
 
     @property
     def laws(self) -> JointLaws:
@@ -152,16 +148,17 @@ def close(
 ) -> ClosedJoint:
     """Register two scanned walls, and simulate the joint under load cycles with a range of results.
 
-    Breakage is resolved by default, and not in the fixed steps of the paper, which
-    `jointclosure.simulate` has: both give other results for the same walls
-    (docs/reference.md#steps-of-breakage has the size of the difference).
+    Without ``conditions`` breakage is resolved, unless ``numerics`` are given; ``conditions`` keep
+    their numerics, by default the paper's steps, which `jointclosure.simulate` has too. Both give
+    other results for the same walls (docs/reference.md#steps-of-breakage has the size of the
+    difference).
 
     Parameters
     ----------
     upper, lower : path, three paths, Scan, Cloud or "flat"
         Files for `jointclosure.read_scan`, or what it returned. One of both may be flat, such as a
         saw cut; see `jointclosure.walls.registration.registered`.
-    units : {"m", "mm", "um", "nm"} or a pair of them, optional
+    units : {"m", "mm", "um", "nm", "inch"} or a pair of them, optional
         Units of both files, or of the upper and the lower one, if the files do not state them.
     scan_spacing : float or a pair, optional
         Spacing of both scans [m], or of the upper and the lower one, if the files do not state it.
@@ -198,7 +195,8 @@ def close(
     conditions, **changes
         As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
         for `jointclosure.walls.registration.registered`, which also receives
-        ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
+        ``unusual_values``. Without ``conditions`` breakage is resolved, unless ``numerics`` are
+        given; ``conditions`` keep their numerics, by default the paper's steps.
 
     Returns
     -------
@@ -211,9 +209,7 @@ def close(
         best, the walls do not overlap, `registered` refuses the pair, or a number is out of its
         range.
     """
-    if conditions is None:
-        changes = {"numerics": RESOLVED} | changes
-    stated = conditions_from(conditions, changes, "close")
+    stated = conditions_from(conditions, changes, "close", defaults=SCAN_DEFAULTS)
     checked = checked_as_stated(stated, snapshots)
     check_named_stresses(at, checked)
     check_joint_lengths(joint_length, lab_length)
@@ -235,10 +231,10 @@ def close(
     remark(pair.report, () if checked.unusual_values else pair.warnings, heading="Registration")
     uncertain = _joint_and_variants(pair, conditions, ranges, single)
     if progress:
-        print(f"\nJoint\n{_description(pair, conditions, name)}")
-    noise_remarks = _about_noise(pair, uncertain.errors)
-    noise_remarks += [] if single else beyond_tested(pair)
-    remark(noise_remarks)
+        print(f"\nJoint\n{_description(pair, conditions, name)}: {conditions.load_text()}")
+    untested = [] if single else beyond_tested(pair)
+    noise_remarks = [*_about_noise(pair, uncertain.errors), *untested]
+    remark(noise_remarks, () if checked.unusual_values else untested)
 
     has_holes = bool(pair.holes.any())
     # of the force on holes there is a snapshot at the largest stress, which is given up again
@@ -247,16 +243,19 @@ def close(
     slow = [] if checked.unusual_values else simulation.near_strength()
     for doubts in (slow, _about_cost(uncertain, workers)):
         remark(doubts, doubts)
-    if not single:  # no part of the time of the joint, from which that of its range follows
+    # compile first, so that the time of the joint, from which the time of the range is estimated,
+    # does not contain it
+    if not single:
         prepare_kernels([conditions.model])
     history, seconds = _timed_run(simulation, report, progress)
-    hole_remarks = _force_in_holes(pair, history) if has_holes else []
+    largest = float(conditions.largest_stress)
+    hole_remarks = _force_in_holes(pair, history, largest) if has_holes else []
     remark(hole_remarks, () if checked.unusual_values else cautions(hole_remarks))
     history = with_snapshots(history, snapshots) if has_holes else history
 
     budget = None
     stopped = list[str]()
-    if not single and int(history.status) < FAILURE:  # a failed joint has no range
+    if not single and not failed(history):  # a failed joint has no range
         remark(_about_time_of_range(uncertain, seconds) if progress else [])
         budget = _range(uncertain, history, at, workers, progress)
         stopped = [] if budget else [_STOPPED]
@@ -273,7 +272,7 @@ def _check_range(
     workers: int | None,
 ) -> None:
     """Raise `InputError` if arguments of the range are not allowed, or given with ``single``."""
-    number_of_workers(workers)
+    number_of_workers(workers)  # only for its check
     if single and ranges:
         raise InputError("ranges (--range): must be left out with single (--single)")
     check_ranges(conditions, ranges)
@@ -340,9 +339,12 @@ def _no_bar(share: float, variant: str) -> None:
 
 
 def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
-    """Describe rock, grid and load of a joint before it is simulated."""
-    cells = grid_text(pair.upper.shape, pair.spacing)
-    return f"{rock_text(conditions.rock, rock_name)}; {cells}: {conditions.load_text()}"
+    """Describe rock, cells and size of a joint, which need not be simulated yet."""
+    ny, nx = pair.upper.shape
+    step = 1e3 * pair.spacing
+    cells = grid_text((ny, nx), pair.spacing)
+    size = f"{nx * step:.3g} x {ny * step:.3g} mm"
+    return f"{rock_text(conditions.rock, rock_name)}, {cells} ({size})"
 
 
 def _about_cost(joint: UncertainJoint, workers: int | None) -> list[str]:
@@ -387,13 +389,25 @@ def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
     return lines
 
 
-def _force_in_holes(pair: RegisteredPair, history: xr.Dataset) -> list[str]:
-    """State the force on holes at the highest stress that was reached."""
-    if not history.sizes["snapshot"]:  # a joint that failed may have reached none
-        return []
-    highest = history.snapshot_stress.values.argmax()
-    force = history.snapshot_force.values[highest]
+def _force_in_holes(pair: RegisteredPair, history: xr.Dataset, largest: float) -> list[str]:
+    """State the force on holes at the largest stress [Pa], or at the highest that was reached.
+
+    It is that of the snapshots, of which a joint that failed may have none, or only one that
+    carries no force.
+    """
+    stresses = history.snapshot_stress.values
+    forces = history.snapshot_force.values
+    reached = stresses * (forces.sum(axis=(1, 2)) > 0.0)
+    if not reached.any():
+        return [
+            "the force on holes of a scan is not known, as the joint reached no stress for which "
+            "forces are stored"
+        ]
+    highest = reached.argmax()
+    force = forces[highest]
     share = force[pair.holes].sum() / force.sum()
-    stress = 1e-6 * float(history.snapshot_stress[highest])
+    stress = 1e-6 * stresses[highest]
     words = f"holes of a scan carry {percent(share)} of the force at {stress:g} MPa"
+    if stresses[highest] < largest:
+        words += f" (not known at {1e-6 * largest:g} MPa, which was not reached)"
     return [caution(words) if share > 0.0 else words]

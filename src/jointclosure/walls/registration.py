@@ -575,7 +575,12 @@ def _with_flat_wall(overlap: Overlap, side: str) -> Overlap:
 def _sampled_if_finer(
     scans: tuple[Scan | Cloud, Scan | Cloud], spacing: float, report: list[str]
 ) -> list[Scan | Cloud]:
-    """Sample scanned grids of at most half of the spacing [m] at the nodes of one grid."""
+    """Return both scans, those on fine grids with heights at the nodes of one grid.
+
+    It replaces a `Scan` whose points are at most half of ``spacing`` [m] apart. Each scan that is
+    so fine, clouds too, has a sentence added to ``report``; the lower one, if it is a `Scan`, may
+    have another, on slopes that are lost.
+    """
     origins = [scan.origin for scan in scans if isinstance(scan, Scan) and scan.origin is not None]
     anchor = origins[-1] if origins else (0.0, 0.0)  # that of the lower wall if both have one
     result = list(scans)

@@ -13,7 +13,7 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
 from jointclosure.walls.gridding import Cloud, Scan, points_of
 from jointclosure.walls.outliers import neighbour_pairs, zeros_are_contacts
-from jointclosure.walls.scans.sheet import check_exact_heights
+from jointclosure.walls.scans.sheet import check_precision_of_heights
 
 LARGEST_ARRAY = 800_000_000  # most bytes of an array in double precision; chosen
 LARGEST_FILE = 2_000_000_000  # most bytes of a file that is read as a whole; chosen
@@ -306,7 +306,7 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
     if not np.isfinite(heights).any():
         raise InputError(f"all of its {heights.size} heights are missing")
     rows = heights[:: -(-len(heights) // _ROWS)]
-    check_exact_heights(np.diff(rows, axis=1), rows)
+    check_precision_of_heights(np.diff(rows, axis=1), rows)
     heights *= height
     return Scan(heights, steps, origin, remarks + missing_remarks)
 

@@ -76,7 +76,7 @@ def check_sheet(points: np.ndarray) -> None:
     """Raise `InputError` unless known points (n, 3) are one wall, whose heights lie along z."""
     if len(points) < _LEAST_POINTS:
         return
-    check_exact(points)
+    check_precision_of_places(points)
     seen = _neighbours(points, 2)
     _check_upright(points, seen.scatter)
     ordered = np.sort(seen.heights, axis=1)
@@ -172,7 +172,7 @@ def in_single_precision(values: np.ndarray) -> float:
     return 0.0 if step_of(known) > 1.5 * step else step
 
 
-def check_exact(points: np.ndarray) -> None:
+def check_precision_of_places(points: np.ndarray) -> None:
     """Raise `InputError` if single precision is too coarse for the places of points (n, 3)."""
     distance = float(np.sqrt(np.prod(np.sort(np.ptp(points, axis=0))[1:]) / len(points)))
     for name, values in zip("xyz", points.T, strict=True):
@@ -183,7 +183,7 @@ def check_exact(points: np.ndarray) -> None:
             )
 
 
-def check_exact_heights(differences: np.ndarray, heights: np.ndarray) -> None:
+def check_precision_of_heights(differences: np.ndarray, heights: np.ndarray) -> None:
     """Raise `InputError` if single precision is coarser than the differences of neighbours."""
     known = differences[np.isfinite(differences)]
     step = in_single_precision(heights)
