@@ -16,12 +16,11 @@ from studies.assessment.report_tables import (
     EFFECTS,
     ENDS,
     LEFT_OUT,
-    NEEDED,
-    NOT_TESTED,
     SETTING,
     SHOWN_COLUMNS,
     judged_effects,
     judged_setting,
+    with_failures,
 )
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
@@ -106,7 +105,7 @@ def with_larger(
     made = pd.concat([made, others], ignore_index=True)
     made = made.reindex(columns=list(dict.fromkeys([*table.columns, *made.columns])))
     words = {"verdict": "", "needed_by": "", "state": "", "reason": ""}
-    return made.fillna(words), int(same.joints.min())
+    return with_failures(made.fillna(words)), int(same.joints.min())
 
 
 def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[dict[str, Any]]:
@@ -122,8 +121,10 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
             fails = given_up or str(first.verdict) == NEEDED_AS_FAILS
             row: dict[str, Any] = {"rock": rock, "kind": EFFECTS if effects else SETTING}
             row |= {"variant": variant, "reference": first.reference, "cycle": cycle}
-            row |= {"of_study": variant == stated, "joints": first.joints, "failed": int(fails)}
-            row["given_up"] = int(given_up)
+            # tables of an earlier version have no counts
+            failed = int(first.get("failed", fails))
+            row |= {"of_study": variant == stated, "joints": first.joints - failed}
+            row |= {"failed": failed, "given_up": int(first.get("given_up", given_up))}
             for quantity, name in SHOWN_COLUMNS.items():
                 found = part[part.quantity == quantity].iloc[0]
                 row |= {
@@ -134,10 +135,6 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
             row |= {"seconds": seconds, "seconds_standard_error": math.nan}
             row |= {"time_percent": 100.0 * (seconds / times[stated] - 1.0)}
             row |= {"time_percent_standard_error": math.nan}
-            if given_up:
-                row |= {"state": NOT_TESTED, "reason": "joints take too many breakage steps"}
-            elif fails:
-                row |= {"state": NEEDED, "reason": "joints fail without it"}
             cycles.append({"state": "", "reason": ""} | row)
         rows += _judged(cycles, within)
     return rows

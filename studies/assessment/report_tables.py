@@ -367,10 +367,10 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
         ]
     ]
     table = pd.concat([table, further.assign(kind=EFFECTS)], ignore_index=True)
-    return _with_failures(table.fillna({"state": "", "reason": "", "verdict": "", "needed_by": ""}))
+    return with_failures(table.fillna({"state": "", "reason": "", "verdict": "", "needed_by": ""}))
 
 
-def _with_failures(table: pd.DataFrame) -> pd.DataFrame:
+def with_failures(table: pd.DataFrame) -> pd.DataFrame:
     """Set the state of effects without which joints fail or are given up, and count these joints.
 
     It is `NEEDED` where they fail, and `NOT_TESTED` where one was given up.

@@ -18,11 +18,12 @@ from jointclosure.assessment.assess import (
     JUDGED,
     READ,
     assessed_variants,
+    is_given_up,
     worst_first,
 )
 from jointclosure.assessment.assess import Assessment as Assessed
 from jointclosure.assessment.effect_names import lacks_effects
-from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE
+from jointclosure.joint.status import FAILURE, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import (
     decimal_ticks,
@@ -304,8 +305,10 @@ def _assessed(
 def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
     """Tabulate the differences of variants at each condition, with verdicts on effects.
 
-    ``needed_by`` names the results that make an effect needed, ``joints`` is the number of joints,
-    and ``study_key`` that of the settings of a base case (`base_conditions`).
+    ``needed_by`` names the results that make an effect needed, and ``joints`` is the number of
+    pairs of walls. Of these ``failed`` have no result, and are not in the differences; among them
+    ``given_up`` took too many breakage steps. ``study_key`` is that of the settings of a base case
+    (`base_conditions`).
     """
     differences = []
     for at, found in _assessed(joints, settings):
@@ -317,6 +320,11 @@ def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd
         named = {name: table.variant.map(of).fillna("") for name, of in columns.items()}
         base = settings["base_conditions"][at["rock"]]
         named["joints"] = found.closures.joint.nunique()
+        lost = {"failed": found.closures.status >= FAILURE}
+        lost["given_up"] = is_given_up(found.closures.status)
+        for name, those in lost.items():
+            counts = found.closures[those].groupby("variant").joint.nunique()
+            named[name] = table.variant.map(counts).fillna(0).astype(int)
         named["study_key"] = base.key if base.is_at(at) else ""
         differences.append(table.assign(**at, **named))
     return _first(differences, *_CONDITION, "variant", "reference")

@@ -221,7 +221,12 @@ class Assessment:
         return verdict_on_effects(rows, self.within)
 
     def needed_by(self, variant: str) -> str:
-        """Return which results leave the request without effects, see `results_beyond`."""
+        """Return which results leave the request without effects, see `results_beyond`.
+
+        It is "" of effects that are not tested, whose other joints alone have results.
+        """
+        if self.verdict(variant) == GIVEN_UP:
+            return ""
         return results_beyond(self.differences[self.differences.variant == variant], self.within)
 
     def __str__(self) -> str:
