@@ -5,6 +5,9 @@ turned over or a cloud of points in some pairs; both scans have noise and missin
 
     .venv/bin/python -m benchmarks.registration [--pairs 40] [--close] [--output FOLDER]
 
+With --cells 64 --mating 3.5, for example, all walls have 64 x 64 cells of 0.25 mm and mate beyond
+3.5 mm, and are scanned as grids. Pairs that are refused are counted.
+
 Whether ranges contain closures of the true walls is measured by `benchmarks.range_coverage`.
 """
 
@@ -142,9 +145,9 @@ def closure(upper: np.ndarray, lower: np.ndarray, spacing: float) -> float:
     return float(cycle_table(simulate_walls(upper, lower, conditions))[CLOSURE_NET].iloc[0])
 
 
-def compared(number: int, close: bool) -> dict[str, float]:
+def compared(number: int, close: bool, **stated: float) -> dict[str, float]:
     """Register a pair and return its errors; with ``close`` also its closures and the true one."""
-    truth = Truth(number)
+    truth = Truth(number, **stated)
     scans = truth.scans()
     start = time.process_time()
     pair = registered(*scans, usual_grid_spacing(truth.cell))
@@ -177,11 +180,17 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
         for name, ratio in RATIOS.items():
             errors[name] = (table[ratio] - 1.0).abs()
             aims[name] = 0.05
-    row = {"pairs": len(table)} | {f"rms_{name}": value for name, value in scores.items()}
+    row = {"pairs": len(table), "rms_degrees": float((table.angle**2).mean() ** 0.5)}
+    row |= {f"rms_{name}": value for name, value in scores.items()}
     for name, error in errors.items():
         row |= {f"{name}_within": int((error <= aims[name]).sum()), f"{name}_aim": aims[name]}
         row |= {f"{name}_median": error.median(), f"{name}_largest": error.max()}
     return pd.DataFrame([row])
+
+
+def stated_options(options: argparse.Namespace) -> dict[str, float]:
+    """Return the options of the walls that were given."""
+    return {name: value for name in ("cells", "mating") if (value := getattr(options, name))}
 
 
 def main() -> None:
@@ -189,19 +198,31 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=40)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--close", action="store_true")
+    parser.add_argument("--cells", type=int, help="cells of 0.25 mm along a side of all walls")
+    parser.add_argument("--mating", type=float, help="mismatch wavelength of all walls [mm]")
     parser.add_argument("--output", type=Path)
     options = parser.parse_args()
+    stated: dict[str, float] = {}
+    if options.cells:
+        stated |= {"cells": options.cells, "cell": 0.25e-3, "cloud": False}
+    if options.mating:
+        stated["mating"] = 1e-3 * options.mating
     output = options.output or Path("benchmarks/results/registration")
     output.mkdir(parents=True, exist_ok=True)
     rows = []
     for number in range(options.first, options.first + options.pairs):
-        rows.append(compared(number, options.close))
+        try:
+            rows.append(compared(number, options.close, **stated))
+        except jc.InputError as error:
+            print(number, error, flush=True)
+            continue
         print(pd.DataFrame(rows[-1:]).round(4).to_string(header=number == 0), flush=True)
     table = pd.DataFrame(rows)
     result = summary(table)
     write_csv(table, output / "registration.csv")
     write_csv(result, output / "summary.csv")
     words = f"--first {options.first} --pairs {options.pairs}"
+    words += "".join(f" --{name} {value:g}" for name, value in stated_options(options).items())
     write_origin(output, words + (" --close" if options.close else ""))
     print(result.T.to_string(header=False))
 

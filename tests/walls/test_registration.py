@@ -16,6 +16,7 @@ from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
 from jointclosure.walls import motion, registration, wall_files
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
+from jointclosure.walls.mating import Mismatch
 from jointclosure.walls.motion import Motion, SlopeFit
 from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
 from jointclosure.walls.overlap import largest_rectangle
@@ -721,3 +722,16 @@ def test_fits_of_one_broad_peak_are_one_fit(number):
     assert pair.orientation == "common_frame"
     error = pair.motion.standard_errors()[0]
     assert pair.motion.angle == pytest.approx(-5.0, abs=3.0 * error)
+
+
+@pytest.mark.parametrize(("wavelength", "words"), [(2.1e-3, "7.6 mismatch"), (1.9e-3, "")])
+def test_narrow_overlaps_say_that_standard_errors_are_too_small(wavelength, words):
+    mismatch = Mismatch(wavelength, 0.9 * wavelength, 1.1 * wavelength)
+    remarks = registration._width_remarks((64, 80), 0.25e-3, mismatch)
+    assert [words in remark for remark in remarks] == [True] * bool(words)
+
+
+@pytest.mark.parametrize("wavelength", [0.0, np.inf])
+def test_walls_without_a_mismatch_wavelength_have_no_width_in_it(wavelength):
+    mismatch = Mismatch(wavelength, wavelength, wavelength)
+    assert registration._width_remarks((64, 80), 0.25e-3, mismatch) == []

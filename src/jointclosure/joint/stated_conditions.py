@@ -11,6 +11,11 @@ from jointclosure.joint.feasibility import check_strength
 from jointclosure.parameters import check_effective
 
 
+def check_carried(checked: Conditions) -> None:
+    """Raise `InputError` if no walls of the rocks of checked conditions carry the stress."""
+    check_strength(checked.rock, checked.largest_stress, *checked.model, checked.spacing)
+
+
 def checked_as_stated(
     stated: Conditions, snapshots: Sequence[float] = (), varied: bool = False
 ) -> Conditions:
@@ -22,6 +27,6 @@ def checked_as_stated(
     also simulates joints with fewer effects.
     """
     checked = stated.checked(snapshots)
-    check_strength(checked.rock, checked.largest_stress, *checked.model, checked.spacing)
+    check_carried(checked)
     check_effective(*checked.model, varied=varied)
     return checked

@@ -17,6 +17,7 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
+from jointclosure.joint.stated_conditions import check_carried
 from jointclosure.joint.status import failed
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.measured.compared_quantities import compared_quantities
@@ -94,7 +95,7 @@ class ComparisonJoints(NamedTuple):
         for strength in strengths:
             for later in self.laters:
                 with naming(f"joints of a compressive strength of {1e-6 * strength:.3g} MPa"):
-                    with_strength(self.conditions, strength, later).checked()
+                    check_carried(with_strength(self.conditions, strength, later).checked())
         asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
         nodes = (asked.wavelengths.size, len(self.strengths))
         surfaces = asked.joint.surfaces

@@ -368,7 +368,12 @@ def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
     """State the noise of each scan, and what keeps the walls apart at the shortest waves."""
     lines = []
     for side, low, high in pair.scan_noise:
-        if np.isfinite(high):
+        if high <= 0.0:
+            lines.append(
+                f"{side} wall: no noise of the scanner is found, as the heights are smooth at the "
+                "shortest waves of the grid (noise that was smoothed does not show)"
+            )
+        elif np.isfinite(high):
             least = f"{1e6 * low:.2g} to" if low > 0.0 else "0 (not significant) to"
             lines.append(
                 f"{side} wall: the noise of the scanner is {least} {1e6 * high:.2g} um (white "

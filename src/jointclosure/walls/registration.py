@@ -61,6 +61,11 @@ _SAME = 0.05
 Holes of a tenth of a wall make their mean distance larger by as much."""
 _ONE_PEAK = 20.0
 """Difference of two rotations [degrees] up to which both may belong to one peak of correlation."""
+_ENOUGH_WAVELENGTHS = 8.0
+"""Width of an overlap, in mismatch wavelengths, from which on the standard errors of a fit held in
+a test (benchmarks/results/registration and registration_small_*)."""
+_ERRORS_TOO_SMALL = 1.4, 2.7
+"""Errors over standard errors (rms) of fits of walls of 4.6 to 6.4 mismatch wavelengths there."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
 SPIKES = ("keep", "cut")  # what is done with spikes
@@ -722,6 +727,8 @@ def _registered_pair(
             "degrees and are set parallel",
             f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
         ]
+        if motion.covariance.any():
+            report += _width_remarks(upper.shape, spacing, mismatch)
     else:  # one wall is flat and has no waves
         correlation = 0.0
         mismatch = Mismatch(*[np.inf] * 3)
@@ -745,6 +752,21 @@ def _registered_pair(
         correlation, correlations, mismatch, max(overlap.shares), np.logical_or(*overlap.holes),
         overlap.first, report,
     )  # fmt: skip
+
+
+def _width_remarks(shape: tuple[int, ...], spacing: float, mismatch: Mismatch) -> list[str]:
+    """Say that standard errors of a fit are too small on walls of few mismatch wavelengths."""
+    if not 0.0 < mismatch.wavelength < np.inf:
+        return []
+    wavelengths = min(shape) * spacing / mismatch.wavelength
+    if wavelengths >= _ENOUGH_WAVELENGTHS:
+        return []
+    low, high = _ERRORS_TOO_SMALL
+    return [
+        f"the overlap is {wavelengths:.2g} mismatch wavelengths wide: in a test with fewer than "
+        f"{_ENOUGH_WAVELENGTHS:g}, errors of rotation and shift were {low:g} to {high:g} times as "
+        "large as their standard errors (docs/two_scans.md#how-the-scans-are-registered)"
+    ]
 
 
 def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
