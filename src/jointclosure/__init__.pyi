@@ -3,7 +3,7 @@
 from .assessment.assess import assess as assess
 from .assessment.effect_selection import choose_effects as choose_effects
 from .ensembles.simulation import simulate_ensemble as simulate_ensemble
-from .inputs import InputError as InputError
+from .inputs.checks import InputError as InputError
 from .joint.conditions import Conditions as Conditions
 from .joint.simulation import equilibrium as equilibrium
 from .joint.simulation import simulate as simulate
