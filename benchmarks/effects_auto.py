@@ -134,7 +134,7 @@ def judged(number: int, asked: argparse.Namespace) -> tuple[list[dict], list[dic
     mean, error = ({effects: of[place] for effects, of in found.items()} for place in (0, 1))
     times = {effects: truth.seconds(effects) / truth.seconds(ALL) for effects in scenes}
     rows = []
-    stress = truth.conditions.max_normal_stress
+    stress = truth.conditions.largest_stress
     strength = truth.conditions.rock[0][2]
     about = {"scene": number, "stress_over_strength": stress / strength}
     least = {effects: np.abs(of) - BEYOND * error[effects] for effects, of in mean.items()}

@@ -35,7 +35,7 @@ def simulated_curve(wavelength: float, seed: int) -> MeasuredCurve:
     walls = {"mismatch_wavelength": None if np.isinf(wavelength) else wavelength, "roll_off": None}
     pair = jc.wall_pair(JRC, (CELLS, CELLS), SPACING, seed, **walls)
     joint = jc.simulate(*pair, conditions=GRANITE)
-    stresses = np.linspace(GRANITE.seating_stress, GRANITE.max_normal_stress, 21)
+    stresses = np.linspace(GRANITE.seating_stress, GRANITE.largest_stress, 21)
     closures = history_of(joint).net.at(stresses)  # (cycles, loading and unloading, stresses)
     there_and_back = np.concatenate([closures[:, 0], closures[:, 1, ::-1]], axis=1)
     cycles = np.repeat(np.arange(len(closures)) + 1, 2 * stresses.size)
