@@ -42,12 +42,20 @@ from jointclosure.uncertainty.results import (
     STIFFNESS,
     VM,
 )
-from jointclosure.uncertainty.sources import ALL, ORDER, PLAUSIBLE, SHARED, Source, sources_of
+from jointclosure.uncertainty.sources import (
+    ALL,
+    ORDER,
+    PLAUSIBLE,
+    SHARED,
+    VARIED,
+    Source,
+    sources_of,
+)
 from jointclosure.uncertainty.uncertain_joint import (
     threads_for,
     uncertain_joint,
 )
-from jointclosure.uncertainty.variants import DRAWS, random_shares, variants_of
+from jointclosure.uncertainty.variants import DRAWS, SEED, random_shares, variants_of
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair
@@ -951,3 +959,8 @@ def test_it_is_said_what_a_share_of_100_percent_is(budget):
 def test_arguments_are_refused_before_files_are_read(stated, words):
     with pytest.raises(jc.InputError, match=words):
         jc.close("no_upper.npz", "no_lower.npz", rock="granite", max_normal_stress=5e6, **stated)
+
+
+def test_random_values_of_two_sources_with_stated_ranges_hardly_correlate():
+    correlations = np.corrcoef(random_shares(VARIED, DRAWS, SEED).T)
+    assert np.abs(correlations - np.eye(len(VARIED))).max() < 0.275

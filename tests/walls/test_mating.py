@@ -83,7 +83,7 @@ def test_a_band_of_half_an_octave_is_named_by_its_middle():
     assert np.abs(np.delete(found.correlation, [band - 1, band, band + 1])).max() < 0.5
 
 
-def test_quadratics_over_shifts_are_those_of_the_definition():
+def test_correlations_over_shifts_are_those_of_the_definition():
     rng = np.random.default_rng(3)
     fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
     fixed[2, 3] = moved[4, 1] = np.nan

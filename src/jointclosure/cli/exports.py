@@ -124,20 +124,22 @@ def export_remarks(joint: xr.Dataset, cycle: int) -> list[str]:
     later = joint.sizes["cycle"]
     if cycle == 1 and later > 1:
         remark += f"; --export-cycle {later} gives those of {_of_loading(joint, later)}"
-    return [caution(remark) if _beyond_measured(joint, cycle) else remark]
+    beyond = _beyond_measured(_stiffness_ratio(joint, cycle))
+    return [caution(remark) if beyond else remark]
 
 
 def _stiffness_ratio(joint: xr.Dataset, cycle: int) -> float:
-    """Return the chord stiffness of a cycle over that of the first."""
+    """Return the chord stiffness of a later cycle over that of the first, NaN for the first."""
+    if cycle == 1:
+        return np.nan
     stiffness = net_responses(joint)["stiffness_net"]
     return float(stiffness[cycle - 1] / stiffness[0])
 
 
-def _beyond_measured(joint: xr.Dataset, cycle: int) -> bool:
-    """Return whether the stiffness of a later cycle over the first is outside of measured ones."""
+def _beyond_measured(ratio: float) -> bool:
+    """Return whether a `_stiffness_ratio` is known, and outside of measured ones."""
     low, high = measured_range("stiffness_ratio")
-    ratio = _stiffness_ratio(joint, cycle)
-    return cycle > 1 and bool(np.isfinite(ratio)) and not low <= ratio <= high
+    return bool(np.isfinite(ratio)) and not low <= ratio <= high
 
 
 def _known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
@@ -155,7 +157,7 @@ def _of_loading(joint: xr.Dataset, cycle: int) -> str:
     ratio = _stiffness_ratio(joint, cycle)
     if np.isfinite(ratio):
         about += f", which is {ratio:.3g} times as stiff as cycle 1 (chord stiffness)"
-    if _beyond_measured(joint, cycle):
+    if _beyond_measured(ratio):
         low, high = measured_range("stiffness_ratio")
         about += (
             f", while later loadings of measured joints were {low:.2g} to {high:.2g} times as "
@@ -244,12 +246,11 @@ def _about_ranges(curves: pd.DataFrame, low: str, high: str, choices: str) -> li
 
 
 class Hyperbola(NamedTuple):
-    """Hyperbola of a loading: kni [Pa/m], Vm [m], mean aperture at seating [m] and cycle."""
+    """Hyperbola of a loading: kni [Pa/m], Vm [m] and mean aperture at seating [m]."""
 
     stiffness: float
     largest_closure: float
     aperture: float
-    cycle: int
 
 
 def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> dict[str, Hyperbola]:
@@ -305,7 +306,7 @@ def _hyperbolas(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> dict[str
                 f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive",
             )
             continue
-        found[end.ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture, cycle)
+        found[end.ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture)
     return found
 
 
@@ -427,7 +428,7 @@ def barton_bandis_commands(
     joints = {end.ending: end.joint for end in _ENDS.values()}
     for ending, known in hyperbolas.items():
         end = f": {joints[ending]}, an end of the band of closure" if ending else ""
-        where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {known.cycle}{end}"
+        where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {cycle}{end}"
         values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
         values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
     others = [number for number in joint.cycle.values if hyperbolas and number != cycle]
@@ -445,7 +446,9 @@ def barton_bandis_commands(
             "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
             f"{_of_loading(joint, cycle)}"
         )
-        head.append(f"; {_about_tangent(hyperbolas[''], _known_loadings(joint, curves), seating)}")
+        loadings = _known_loadings(joint, curves)
+        of_cycle = loadings[loadings.cycle == cycle]
+        head.append(f"; {_about_tangent(hyperbolas[''], of_cycle, seating)}")
         ranges = _about_ranges(curves, "_closes_less", "_closes_more", "_with_choices")
         head += [f"; {line}" for line in ranges]
     return {"barton_bandis.dat": "\n".join([*head, *lines]) + "\n" + function}
@@ -510,9 +513,9 @@ _COMPLIANCE_FACTOR = 9.0
 """Factor 9 of GEOS' BartonBandis, a0/(1 + 9 s/s_ref): at s_ref a tenth of a0 is left."""
 
 
-def _about_tangent(law: Hyperbola, loadings: pd.DataFrame, seating: float) -> str:
+def _about_tangent(law: Hyperbola, loading: pd.DataFrame, seating: float) -> str:
     """Say how far the stiffness of a hyperbola is from that of its loading, above seating [Pa]."""
-    rows = loadings[(loadings.cycle == law.cycle) & (1e6 * loadings.normal_stress_MPa > seating)]
+    rows = loading[1e6 * loading.normal_stress_MPa > seating]
     rows = rows.dropna(subset="normal_stiffness_net_MPa_per_mm")
     if rows.empty:
         return "the stiffness of the loading is not known"
@@ -597,7 +600,7 @@ def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
     """Return commands of 3DEC 7 that define tables by cycle, branch and end of a band."""
     lines = [f"; {line}" for line in _about_ranges(curves, "-low", "-high", "-with-choices")]
     last = joint.sizes["cycle"]
-    if _beyond_measured(joint, last):
+    if _beyond_measured(_stiffness_ratio(joint, last)):
         lines.append(
             f"; tables of all cycles follow; among them are those of {_of_loading(joint, last)}"
         )

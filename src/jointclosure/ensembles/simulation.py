@@ -14,12 +14,7 @@ from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.execution.progress import bar
 from jointclosure.execution.workers import Failed, ProcessLostError, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_count
-from jointclosure.joint.conditions import (
-    Changes,
-    Conditions,
-    conditions_from,
-    takes_conditions,
-)
+from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import FLAGS, LOADING, UNLOADING, failed
