@@ -5,18 +5,26 @@ clone and by the --other one, each by the Python of its .venv in one process of 
 other work on the machine disturbs both alike. Times are the smallest processor time of --repeats.
 The first --joints surfaces of each rock are compared by maximum closures of both cycles: mean
 paired changes with standard errors. --output is a folder.
+
+Closure curves of 40 stresses without breakage follow: two pairs of walls of --elastic cells along a
+side (0 leaves them out), which have several thousand contacts at 30 MPa. Both clones get the same
+walls.
 Run as `python benchmarks/speed_against.py --other ../earlier`.
 """
 
 import json
 import subprocess
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import yardstick
 
 # isort: split
+import numpy as np
 import pandas as pd
 
+import jointclosure as jc
 from jointclosure.statistics.standard_errors import mean_of
 
 CYCLES = (1, 2)
@@ -24,17 +32,29 @@ WORK = """
 import json, sys
 sys.path.insert(0, "benchmarks")
 import yardstick
+import numpy as np
+import jointclosure as jc
 configuration, cases = yardstick.paper_study()
 case_of = {case.rock: case for case in cases}
 print(json.dumps(list(case_of)), flush=True)
 for line in sys.stdin:
     rock, surface = json.loads(line)
-    seconds, joint = yardstick.base_case(configuration, case_of[rock], surface)
-    closures = [float(closure) for closure in joint["max_closure"]]
+    if rock in case_of:
+        seconds, joint = yardstick.base_case(configuration, case_of[rock], surface)
+    else:
+        walls = np.load(surface)
+        numerics = jc.Numerics(curve_points=40)
+        seconds, joint = yardstick.timed(
+            lambda: yardstick.close(walls, yardstick.ELASTIC, 30e6, numerics=numerics)
+        )
+    closures = [float(joint["max_closure"][cycle]) for cycle in (0, -1)]
     counts = [int(joint[name]) for name in ("settled_states", "equilibria", "solver_iterations")]
     print(json.dumps([seconds, int(joint.status), *closures, *counts]), flush=True)
 """
-"""Program for a clone's folder: simulates the joints that its standard input names."""
+"""Program for a clone's folder: simulates the joints that its standard input names.
+
+A joint is a rock of the study and the number of a surface, or a title and a file of walls.
+"""
 COLUMNS = ["seconds", "status", "closure 1", "closure 2", "settled", "equilibria", "products"]
 
 
@@ -71,20 +91,42 @@ class Clone:
         return json.loads(line)
 
 
+def elastic_walls(cells: int) -> dict[str, tuple]:
+    """Return walls (y, x) [m] of the curves without breakage, by title."""
+    shape = (cells, cells)
+    smooth = jc.wall_pair(2.0, shape, yardstick.SPACING, 0)
+    mated = jc.wall_pair(8.0, shape, yardstick.SPACING, 0, mismatch_wavelength=3e-3)
+    return {"elastic, JRC 2": smooth, "elastic, mated beyond 3 mm": mated}
+
+
+def joints(arguments, rocks: list[str], folder: Path) -> Iterator[tuple[str, object, int]]:
+    """Generate joints as `WORK` reads them, and how often each is timed, 0 for not at all."""
+    for rock in rocks:
+        for surface in range(max(arguments.joints, arguments.surfaces)):
+            yield rock, surface, arguments.repeats if surface < arguments.surfaces else 0
+    if arguments.elastic:
+        for title, walls in elastic_walls(arguments.elastic).items():
+            file = folder / f"{title}.npy"
+            np.save(file, np.array(walls))
+            yield title, str(file), arguments.repeats
+
+
 def compared(arguments) -> pd.DataFrame:
     """Simulate all joints in both clones, timed ones several times; return a row for each."""
     clones = {"here": Clone(Path(__file__).parents[1]), "other": Clone(arguments.other)}
     rows = []
-    for rock in clones["here"].rocks:
-        clones["other"].closed(rock, 0)  # to load or compile
-        clones["here"].closed(rock, 0)
-        for surface in range(max(arguments.joints, arguments.surfaces)):
-            timed = surface < arguments.surfaces
+    warm = set()
+    with tempfile.TemporaryDirectory() as folder:
+        for rock, surface, repeats in joints(arguments, clones["here"].rocks, Path(folder)):
+            if rock not in warm:
+                for clone in clones.values():
+                    clone.closed(rock, surface)  # to load or compile
+                warm.add(rock)
             tries = [
                 {name: clone.closed(rock, surface) for name, clone in clones.items()}
-                for _ in range(arguments.repeats if timed else 1)
+                for _ in range(max(repeats, 1))
             ]
-            row = {"rock": rock, "surface": surface, "timed": timed}
+            row = {"rock": rock, "surface": surface, "timed": repeats > 0}
             for name in clones:
                 answer = tries[0][name]
                 answer["seconds"] = min(some[name]["seconds"] for some in tries)
@@ -96,9 +138,15 @@ def compared(arguments) -> pd.DataFrame:
 
 
 def summarised(table: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate times, and changes [%] of mean net closures, by rock and of all rocks together."""
+    """Tabulate times, and changes [%] of mean net closures, by rock and of all rocks together.
+
+    Curves without breakage follow the rocks.
+    """
     rows = []
-    for rock, joints in [*table.groupby("rock", sort=False), ("all", table)]:
+    of_study = table[~table.rock.str.startswith("elastic")]
+    of_rock = dict(tuple(table.groupby("rock", sort=False)))
+    elastic = {rock: of_rock.pop(rock) for rock in set(table.rock) - set(of_study.rock)}
+    for rock, joints in (of_rock | {"all": of_study} | dict(sorted(elastic.items()))).items():
         timed = joints[joints.timed]
         row = {"rock": rock, "timed joints": len(timed)}
         for name in ("here", "other"):
@@ -113,7 +161,8 @@ def summarised(table: pd.DataFrame) -> pd.DataFrame:
             here, other = (joints[f"{name} closure {cycle}"] for name in ("here", "other"))
             # changes are relative to the mean of the rock, so that all rocks count alike
             means = joints.groupby("rock")[f"other closure {cycle}"].transform("mean")
-            mean, error = mean_of(100.0 * ((here - other) / means).to_numpy())
+            changes = 100.0 * ((here - other) / means).to_numpy()
+            mean, error = mean_of(changes) if changes.size > 1 else (changes.item(), np.nan)
             row |= {f"closure {cycle} change %": mean, f"closure {cycle} standard error %": error}
         row["worst status here"] = joints["here status"].max()
         row["worst status other"] = joints["other status"].max()
@@ -131,5 +180,12 @@ def main(arguments) -> None:
 
 
 if __name__ == "__main__":
-    given = {"other": Path, "surfaces": 5, "repeats": 5, "joints": 60, "output": Path}
+    given = {
+        "other": Path,
+        "surfaces": 5,
+        "repeats": 5,
+        "joints": 60,
+        "elastic": 512,
+        "output": Path,
+    }
     main(yardstick.options(__doc__, **given))

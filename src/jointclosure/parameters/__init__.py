@@ -200,7 +200,7 @@ class Numerics(NamedTuple):
         Solver of equilibrium.
     curve_points : int
         Number of evenly spaced stresses up to the maximum where nothing breaks. The fast solver
-        then takes no steps, and solves to a residual of 1e-10 or the ``force_tolerance``, whichever
+        then takes no steps, and solves to a residual of 1e-8 or the ``force_tolerance``, whichever
         is smaller.
     breakage : {"fixed_step", "resolved"}
         What a broken contact loses: the breakage step, as in the paper, or only the height that

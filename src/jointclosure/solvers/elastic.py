@@ -6,22 +6,29 @@ import numpy as np
 
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium, separate_shift
 from jointclosure.solvers.equilibrium import solve_equilibrium
-from jointclosure.solvers.interaction_operator import dense_influence, dense_limit, influence_matrix
+from jointclosure.solvers.interaction_operator import (
+    add_displacements,
+    dense_influence,
+    dense_limit,
+    influence_matrix,
+)
 from jointclosure.solvers.joint import Effort, Joint, Outcome, Settled
 from jointclosure.solvers.newton import Equilibrium
 
-ELASTIC_TOLERANCE = 1e-10
+ELASTIC_TOLERANCE = 1e-8
 """Relative residual of the forces, even if `Numerics.force_tolerance` is larger."""
+_UNKNOWN = np.empty((0, 0))  # in place of displacements that are not known
 _FIRST_CANDIDATES = 48  # cells that are candidates at first, until a closure exceeds their reach
 _FEW = 0.1
 """Share of `dense_limit` up to which all candidates are in the working set."""
 
 
 class _Point(NamedTuple):
-    """Solved point of the elastic curve, or the guess of one."""
+    """Solved point of the elastic curve, or the guess of one, whose forces may be negative."""
 
     force: np.ndarray  # of all cells (n,) [N]
     gap: np.ndarray  # overlap less interaction (n,) [m], or an upper bound of it; NaN if unknown
+    field: np.ndarray  # displacements (y, x) [m] by the forces, empty if they are not known
     closure: float  # [m]
     target: float  # total force [N]
 
@@ -57,22 +64,43 @@ class _Candidates:
         cells = self.contacts.cells
         closure = min(guess.closure, self.reach)
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
-        force = guess.force[cells]
+        force = np.maximum(guess.force[cells], 0.0)
         if self.influence is None or self.few:
-            solution = self._solve_all(start, force, target)
+            solution = self._solve_all(start, force, target, _UNKNOWN)
             gap = np.full(cells.size, np.nan)
         else:
+            field = guess.field
+            if field.size > 0:
+                change = force - guess.force[cells]
+                add_displacements(self.influence, self.matrix, cells, change, field)
             inside = (force > 0.0) | (guess.gap[cells] > 0.0)
-            solution, gap = self._solve_working_set(start, force, inside, target)
+            solution, gap = self._solve_working_set(start, force, inside, target, field)
         return solution._replace(shift=solution.shift + closure), gap
 
-    def _solve_all(self, start: Contacts, force: np.ndarray, target: float) -> Equilibrium:
-        return solve_equilibrium(self.influence, start, force, target, self.tolerance, self.matrix)
+    def _solve_all(
+        self, start: Contacts, force: np.ndarray, target: float, field: np.ndarray
+    ) -> Equilibrium:
+        """Solve for all candidates; ``field`` (y, x) [m] is empty or that of the forces."""
+        joint = self.joint
+        solution = solve_equilibrium(
+            self.influence, start, force, target, self.tolerance, self.matrix,
+            field=field, space=joint.space_for(np.count_nonzero(force)),
+        )  # fmt: skip
+        joint.coarse_space = solution.space
+        return solution
 
     def _solve_working_set(
-        self, start: Contacts, force: np.ndarray, inside: np.ndarray, target: float
+        self,
+        start: Contacts,
+        force: np.ndarray,
+        inside: np.ndarray,
+        target: float,
+        field: np.ndarray,
     ) -> tuple[Equilibrium, np.ndarray]:
-        """Solve for the cells ``inside`` (n,), adding others that overlap until none does."""
+        """Solve for the cells ``inside`` (n,), adding others that overlap until none does.
+
+        ``field`` (y, x) [m] is empty or that of the forces. Only a convolution uses it.
+        """
         near = self.joint.neighbours
         newton_steps = 0
         products = 0
@@ -80,15 +108,18 @@ class _Candidates:
             some = Contacts._make((*(values[inside] for values in start[:4]), start.substrate))
             contacts, matrix = self.joint.with_matrix(some)
             if matrix is None or not some.cells.size:
-                solution = self._solve_all(start, force, target)
+                solution = self._solve_all(start, force, target, field)
                 gap = start.overlap + solution.shift - solution.interaction
                 break
             slot = near.slots(some.cells)
             guess = np.zeros(contacts.cells.size)
             guess[slot] = force[inside]
             solution = solve_equilibrium(
-                self.influence, contacts, guess, target, self.tolerance, matrix
-            )
+                self.influence, contacts, guess, target, self.tolerance, matrix,
+                space=self.joint.space_for(np.count_nonzero(guess)),
+            )  # fmt: skip
+            self.joint.coarse_space = solution.space
+            field = _UNKNOWN  # the forces are others now
             newton_steps += solution.newton_steps
             products += solution.products
             force = np.zeros(start.cells.size)
@@ -122,7 +153,8 @@ def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
             if not solution.shift > candidates.reach or not np.isfinite(solution.shift):
                 break
             candidates = _Candidates(joint, 1.3 * solution.shift)
-        point = _Point(*_open_state(joint.upper.size), solution.shift, target)
+        force, gaps = _open_state(joint.upper.size)
+        point = _Point(force, gaps, solution.field, solution.shift, target)
         point.force[candidates.contacts.cells] = solution.force
         point.gap[candidates.contacts.cells] = gap
         solved = [*solved[-1:], point]
@@ -156,17 +188,20 @@ def _starting_point(solved: list[_Point], target: float, contacts: Contacts, siz
         closure = separate_shift(contacts, target)
         alone = separate_equilibrium(contacts, closure)
         force[contacts.cells] = np.nan_to_num(alone, posinf=target)
-        return _Point(force, gap, closure, target)
+        return _Point(force, gap, _UNKNOWN, closure, target)
     last = solved[-1]
     if len(solved) == 1:
         share = target / last.target
-        return _Point(last.force * share, last.gap, last.closure * share**0.5, target)
+        closure = last.closure * share**0.5
+        return _Point(last.force * share, last.gap, last.field * share, closure, target)
     before = solved[0]
     ahead = (target - last.target) / (last.target - before.target)
     force = last.force + ahead * (last.force - before.force)
     gap = last.gap + ahead * (last.gap - before.gap)
     closure = last.closure + ahead * (last.closure - before.closure)
-    return _Point(np.maximum(force, 0.0), gap, closure, target)
+    both = last.field.shape == before.field.shape
+    field = last.field + ahead * (last.field - before.field) if both else _UNKNOWN
+    return _Point(force, gap, field, closure, target)
 
 
 def _described_solution(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:

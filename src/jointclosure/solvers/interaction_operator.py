@@ -14,8 +14,9 @@ from jointclosure.mechanics.interaction import interaction_displacement
 from jointclosure.solvers.cells import row_of
 from jointclosure.solvers.products import assign, symmetric_times
 
-LARGEST_DENSE = 4000
-"""Number of contacts of the largest dense matrix, 128 MB."""
+LARGEST_DENSE = 3000
+"""Number of contacts of the largest dense matrix, 72 MB: on 512 x 512 cells a convolution is faster
+for more (benchmarks/solver_speed.py)."""
 FEW_FORCES = 16
 """Number of forces up to which their displacements are added one by one without a transform."""
 _PATCH = 7  # least number of cells along a patch of the preconditioner
