@@ -37,6 +37,7 @@ from jointclosure.assessment.effect_selection import (
     possible_scenes,
 )
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.statistics.randomness import generator, seed_of
@@ -57,7 +58,7 @@ UNLIMITED = 1e9
 CLOSURES = [list(ASSESSED).index(name) for name in JUDGED]
 
 
-def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[Conditions, dict]:
+def scene(seed: int, number: int, cells: tuple[int, int]) -> tuple[CheckedConditions, dict]:
     """Draw the conditions of a scene, and the arguments of `wall_pair`; ``cells`` are bounds."""
     random = generator(seed_of(seed, "conditions", number))
     modulus, strength = (

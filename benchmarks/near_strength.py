@@ -19,6 +19,7 @@ from strength_bound import NAMES, SPACING
 
 import jointclosure as jc
 from jointclosure.inputs import InputError
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.joint.simulation import Simulation
@@ -30,7 +31,7 @@ SEED = 9300
 REFUSED = "refused"
 
 
-def closed(walls: tuple, conditions: Conditions) -> dict:
+def closed(walls: tuple, conditions: CheckedConditions) -> dict:
     """Simulate a joint; return its processor time [s], effort, largest stress [Pa] and status."""
     try:
         seconds, joint = yardstick.timed(lambda: jc.simulate(*walls, conditions=conditions))
@@ -55,7 +56,7 @@ def rows_of(rock: str, cells: int, shares: list[float]) -> list[dict]:
     for share in sorted(shares):
         conditions = Conditions(
             SPACING, rock, share * strength, numerics=RESOLVED, unusual_values=True
-        )
+        ).checked()
         row = closed(walls, conditions)
         rows.append({
             "rock": rock,

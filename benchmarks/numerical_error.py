@@ -78,7 +78,7 @@ def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
     for tolerance, name in (*SETTINGS, (TRUE, "as it is")):
         numerics = coarser(RESOLVED, tolerance)
         try:
-            here = conditions._replace(numerics=numerics).checked()
+            here = conditions._replace(numerics=numerics)
             joint = simulate_row(tuple(COPIES[name](wall) for wall in pair), Reading(here, READ))
         except jc.InputError as error:
             print(f"joint {number}: {error}")

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from jointclosure.assessment.assess import JUDGED, STIFFNESS, assessed_variants
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case, cases_of, ensembles_of, seconds_by_paper
@@ -77,17 +77,17 @@ class AssessmentPlan(NamedTuple):
 def study_seconds(study: Configuration) -> float:
     """Return the expected processor time [s] of all joints of a study."""
     return sum(
-        of.study.realizations * seconds_by_paper(of) * _cost(case.conditions)
+        of.study.realizations * seconds_by_paper(of) * _cost(case.checked_conditions)
         for of in ensembles_of(study).values()
         for case in cases_of(of)
     )
 
 
-def _ladder_of(given: Conditions) -> list[str]:
-    return assessed_variants(given._replace(flow=False).checked())[1]
+def _ladder_of(given: CheckedConditions) -> list[str]:
+    return assessed_variants(given._replace(flow=False))[1]
 
 
-def _cost(conditions: Conditions) -> float:
+def _cost(conditions: CheckedConditions) -> float:
     return relative_cost(conditions.effects, conditions.numerics)
 
 
@@ -102,7 +102,7 @@ def planned(study: Configuration) -> AssessmentPlan | None:
     section = study.section_or_none(AssessmentSection)
     if section is None:
         return None
-    of_rocks = {rock: base_case(study, rock).conditions for rock in study.rocks}
+    of_rocks = {rock: base_case(study, rock).checked_conditions for rock in study.rocks}
     whole = study_seconds(study)
     seconds = seconds_by_paper(study)
     allowed = section.share * whole / seconds  # in joints by the paper's steps
@@ -146,9 +146,9 @@ class _Scope(NamedTuple):
     omitted: tuple[str, ...]
     costly: bool
 
-    def variants(self, given: Conditions, again: bool) -> dict[str, Conditions]:
+    def variants(self, given: CheckedConditions, again: bool) -> dict[str, CheckedConditions]:
         """Return the variants of a rock to simulate, without the stated one unless ``again``."""
-        stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
+        stated, ladder, variants = assessed_variants(given._replace(flow=False))
         most = COSTLY * _cost(given) if not self.costly else float("inf")
         shown = (*self.ladder, *(name for name in variants if name not in ladder))
         return {
@@ -159,7 +159,7 @@ class _Scope(NamedTuple):
             and (again or name != stated)
         }
 
-    def cost(self, given: Conditions, again: bool) -> float:
+    def cost(self, given: CheckedConditions, again: bool) -> float:
         """Return the cost of a joint of a rock by all variants, in joints by the paper's steps."""
         return sum(map(_cost, self.variants(given, again).values()))
 
@@ -180,14 +180,14 @@ class _Scope(NamedTuple):
         )
 
 
-def _scopes(given: Conditions) -> Iterator[_Scope]:
+def _scopes(given: CheckedConditions) -> Iterator[_Scope]:
     """Generate scopes of comparison from the largest to the smallest.
 
     The first has all settings and effects. Then settings are left out, until the stated one and one
     that is finer remain, with the cheapest one, which takes little time. Finally the variants of
     effects that are costly are left out.
     """
-    stated, ladder, variants = assessed_variants(given._replace(flow=False).checked())
+    stated, ladder, variants = assessed_variants(given._replace(flow=False))
     effects = [name for name in variants if name not in ladder]
     costly = [name for name in effects if _cost(variants[name]) > COSTLY * _cost(given)]
     finer = ladder[ladder.index(stated) + 1 :]

@@ -264,7 +264,10 @@ def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 def ladders_of(study: Configuration) -> dict[str, tuple]:
     """Return for each rock the name of the stated setting, and those of all, the finest last."""
-    return {name: assessed_variants(base_case(study, name).conditions)[:2] for name in study.rocks}
+    return {
+        name: assessed_variants(base_case(study, name).checked_conditions)[:2]
+        for name in study.rocks
+    }
 
 
 def _conditions(configuration: Configuration, section: AssessmentSection) -> Iterator[Case]:

@@ -116,8 +116,8 @@ def test_the_joints_are_the_first_ones_of_the_base_case_of_the_study():
         for point in points:
             settings = point.settings
             assert seeds_of(settings) == own
-            assert settings.conditions.rock == base.conditions.rock
-            assert settings.conditions != base.conditions  # which the study has closed
+            assert settings.conditions.rock == base.checked_conditions.rock
+            assert settings.conditions != base.checked_conditions  # which the study has closed
 
 
 def test_joints_are_closed_again_where_the_study_closes_others():

@@ -61,7 +61,7 @@ def choose_rock_effects(
     settings = choice.point.settings
     label = settings.case.label
     report(f"{label}, for {cases} cases of {joints} joints together:")
-    pilot = Pilot(list(islice(walls, MOST_PAIRS)), settings.conditions.checked(), joints)
+    pilot = Pilot(list(islice(walls, MOST_PAIRS)), settings.conditions, joints)
     selected = choose_among(pilot, settings.effects_chosen_to or 0.0, report)
     reading = reading_of(settings.under(effects=selected.effects), names)
     stored = (replace(one, stresses=reading.stresses) for one in selected.closed)

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.inputs import InputError
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import Conditions
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.files import MAKE_AGAIN, digest
@@ -67,7 +68,15 @@ class Case(NamedTuple):
     @property
     def max_normal_stress(self) -> float:
         """Maximum stress of every cycle [Pa]."""
-        return self.conditions.largest_stress
+        return self.checked_conditions.largest_stress
+
+    @property
+    def checked_conditions(self) -> CheckedConditions:
+        """Conditions under which the joints of the case are simulated.
+
+        Values that are unusual for rock are accepted, as the configuration was checked for them.
+        """
+        return self.conditions._replace(unusual_values=True).checked()
 
     def number(self, name: str) -> float:
         """Return a property of the rock or a number of the case by its name [SI]."""
@@ -107,9 +116,9 @@ class ClosureSettings(NamedTuple):
     effects_chosen_to: float | None
 
     @property
-    def conditions(self) -> Conditions:
+    def conditions(self) -> CheckedConditions:
         """Conditions under which the joints of the case are simulated."""
-        return self.case.conditions
+        return self.case.checked_conditions
 
     @property
     def jrc(self) -> float:

@@ -58,7 +58,7 @@ def test_the_cases_of_a_rock_share_the_decision_of_the_largest_stress_over_stren
     assert jc.Effects(**choice["effects"]) == jc.Effects()
     conditions = {label: point.settings.conditions for label, point in points.items()}
     ratios = {
-        label: one.max_normal_stress / one.rock.compressive_strength
+        label: one.largest_stress / one.rock[0].compressive_strength
         for label, one in conditions.items()
     }
     assert ratios[label] == max(ratios.values())

@@ -100,7 +100,7 @@ def _variants(settings: ClosureSettings, section: MeasuredJointsSection) -> dict
 
 def reseated(settings: ClosureSettings, shift: int) -> Iterator[CrushedWalls]:
     """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
-    conditions = settings.conditions._replace(cycles=1)
+    conditions = settings.under(cycles=1).conditions
     for pair in walls_of(settings):
         crushed = simulated_joint(pair, conditions).final
         yield CrushedWalls(*(shifted(walls, (0, shift)) for walls in (crushed, pair)))
@@ -112,7 +112,7 @@ def _hardness(settings: ClosureSettings, ratio: float) -> ClosureSettings:
     Resolved breakage without gouge is the plastic displacement of such a contact. The limit of the
     peak pressure, 3/2 of the mean pressure under a sphere, is sigma_c / c(nu) (`strength_factor`).
     """
-    given = settings.conditions
+    given = settings.case.conditions
     strength = 1.5 * ratio * strength_factor(given.rock.poisson_ratio)
     strength *= given.rock.compressive_strength
     return settings.under(

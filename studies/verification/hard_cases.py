@@ -203,7 +203,7 @@ def _run(frozen: str) -> CaseOutcome:
                 stated = setting | load_of(case, target)
                 conditions = Conditions(seating_stress=0.0, unusual_values=True, **stated)
                 dataset = simulate_walls(
-                    upper, lower, conditions,
+                    upper, lower, conditions.checked(),
                     solver_of=lambda name: JudgedSolver(solver_named(name), judge),
                 )  # fmt: skip
             bits = int(dataset.status)

@@ -48,7 +48,7 @@ def changed(numerics, change):
 
 def closed(effects, choices, numerics):
     """A joint in two cycles whose settings are not examined."""
-    load = Conditions(SPACING, DOLERITE, 8e6, 2, 0.5e6)
+    load = Conditions(SPACING, DOLERITE, 8e6, 2, 0.5e6).checked()
     return simulate_walls(
         *pair(12), load._replace(effects=effects, choices=choices, numerics=numerics)
     )

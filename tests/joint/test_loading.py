@@ -5,8 +5,9 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.joint.conditions import as_stated
 from jointclosure.joint.history import history_of
-from jointclosure.joint.load import SEATING_STRESS
+from jointclosure.joint.load import SEATING_STRESS, stated_load
 from jointclosure.joint.rocks import ROCKS
 from jointclosure.joint.status import LARGEST_UNBREAKABLE_SHARE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 from tests import joints
@@ -104,7 +105,7 @@ def test_the_rocks_of_the_paper_are_those_of_the_default_study():
 def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
     checked = jc.Conditions(SPACING, "granite", load).checked()
     assert checked.seating_stress == pytest.approx(seating, rel=1e-15)
-    assert checked == checked.checked()
+    assert checked == as_stated(checked).checked()
 
 
 @pytest.mark.parametrize(
@@ -116,4 +117,4 @@ def test_seating_that_is_not_stated_lies_below_every_maximum(load, seating):
     ],
 )
 def test_the_load_in_words_shows_a_decimal_comma(stresses, words):
-    assert jc.Conditions(SPACING, "granite", stresses).load_text() == words
+    assert stated_load(stresses).description() == words

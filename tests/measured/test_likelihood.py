@@ -67,7 +67,7 @@ def simulated(history):
 
 @pytest.fixture(scope="module")
 def history():
-    return simulate_walls(*walls(1, 2e-3), CONDITIONS)
+    return simulate_walls(*walls(1, 2e-3), CONDITIONS.checked())
 
 
 def test_a_curve_is_read_as_the_history_that_it_was_measured_of(history):
@@ -93,7 +93,7 @@ def test_curves_of_the_joints_are_those_of_the_readings(history):
     np.testing.assert_allclose(loading[:, :, -1], readings[:, :, -2], rtol=1e-12)
     recovered = loading[:, :, -1] - unloading[:, :, 0]
     np.testing.assert_allclose(recovered, readings[:, :, -1], rtol=1e-12)
-    whole = simulate_walls(*walls(1, WAVELENGTHS[0]), CONDITIONS._replace(cycles=2))
+    whole = simulate_walls(*walls(1, WAVELENGTHS[0]), CONDITIONS._replace(cycles=2).checked())
     np.testing.assert_array_equal(closures[0, 0], history_of(whole).net.at(stresses))
 
 
@@ -101,7 +101,7 @@ def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulat
     held, stated = [], []
     for number in range(24):
         truth = float(np.exp(np.random.default_rng(number).uniform(*np.log([1e-3, 4e-3]))))
-        curve = curve_of(simulate_walls(*walls(10_000 + number, truth), CONDITIONS))
+        curve = curve_of(simulate_walls(*walls(10_000 + number, truth), CONDITIONS.checked()))
         measured = readings_of_curve(curve, SEATING)
         found = likelihood_of(measured, simulated, WAVELENGTHS, np.array([173e6]), 0.02)
         value, low, high = found.interval(0)
@@ -216,7 +216,9 @@ def test_a_range_of_jrc_widens_the_scatter_of_the_joints(found, lab):
 def test_the_strength_of_scanned_walls_is_within_its_interval():
     pair = scanned_pair(24)
     weak = GRANITE._replace(compressive_strength=130e6)
-    curve = curve_of(simulate_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak)))
+    curve = curve_of(
+        simulate_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak).checked())
+    )
     given = {"rock": GRANITE, "pair": pair, "seating_stress": SEATING, "choices": PAPER}
     result = fit(curve, **given, surfaces=6, workers=1, numerics=COARSE)
     assert result.scanned

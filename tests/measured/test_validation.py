@@ -52,12 +52,12 @@ def measured_curve(pair, shift=0, ratio=1.0, strength=STRENGTH, walls=None):
     rock = ROCK._replace(compressive_strength=strength)
     given = Conditions(SPACING, rock, STRESS, 1, SEATING, numerics=NUMERICS)
     walls = walls or (pair.upper, pair.lower)
-    once = simulate_walls(*walls, given)
+    once = simulate_walls(*walls, given.checked())
     crushed = once.upper_final.values, once.lower_final.values
     width = crushed[0].shape[1] - shift
     seated, pristine = ((upper[:, shift:], lower[:, :width]) for upper, lower in (crushed, walls))
     weaker = given._replace(choices=jc.Choices(crushed_strength_ratio=ratio))
-    again = simulate_walls(*seated, weaker, pristine=pristine)
+    again = simulate_walls(*seated, weaker.checked(), pristine=pristine)
     stresses, parts = np.linspace(SEATING, STRESS, 13), []
     for cycle, joint in enumerate((once, again), start=1):
         loading, unloading = history_of(joint).net.at(stresses)[0]
@@ -109,7 +109,7 @@ def test_the_numerical_error_is_that_of_nearest_joints_by_a_finer_tolerance(regi
     closures, ends = [], np.array([SEATING, STRESS])
     for factor in (1.0, 1.0 / FINER):
         numerics = coarser(NUMERICS, factor)
-        given = Conditions(SPACING, rock, STRESS, 1, SEATING, numerics=numerics)
+        given = Conditions(SPACING, rock, STRESS, 1, SEATING, numerics=numerics).checked()
         scans = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
         joints = [walls.pair(1 + STRENGTHS * k + j, 1.0, scans) for k in range(CHECKED)]
         net = [history_of(simulate_walls(*joint, given)).net.at(ends) for joint in joints]
@@ -187,7 +187,7 @@ def forecast_of(monkeypatch, pair, curves, times, slower=NONE_SLOWER, share=1.0,
     spent = {round(strength): seconds for strength, seconds in times.items()}
 
     def timed(upper, lower, size, conditions):
-        return spent[round(conditions.rock.compressive_strength)], upper.size
+        return spent[round(conditions.rock[0].compressive_strength)], upper.size
 
     def timed_loadings(walls, size, conditions, cycles, strength, laters):
         each = [slower.get(later.crushed_strength_ratio, 1.0) for later in laters]
@@ -241,7 +241,8 @@ def test_the_loadings_of_a_window_are_timed_with_all_changes(monkeypatch, pair):
     simulate = simulated_joints.simulate_walls
 
     def counted(upper, lower, conditions, **about):
-        seen.append((upper.shape, conditions.cycles, conditions.choices.crushed_strength_ratio))
+        ratio = conditions.choices.crushed_strength_ratio
+        seen.append((upper.shape, conditions.cycle_count, ratio))
         return simulate(upper, lower, conditions, **about)
 
     monkeypatch.setattr(simulated_joints, "simulate_walls", counted)
@@ -295,7 +296,7 @@ def one_loading(tmp_path_factory):
     stresses = np.linspace(SEATING, 1.5e6, 8)
     joint = simulate_walls(
         *jc.wall_pair(10.0, (12, 12), SPACING, 5, mismatch_wavelength=1e-3, roll_off=None),
-        Conditions(SPACING, ROCK, 1.5e6, 1, SEATING, numerics=COARSE),
+        Conditions(SPACING, ROCK, 1.5e6, 1, SEATING, numerics=COARSE).checked(),
     )
     loading = 1e3 * history_of(joint).net.at(stresses)[0, 0]
     path = tmp_path_factory.mktemp("one") / "curve.csv"

@@ -12,6 +12,7 @@ from jointclosure.cli.results import summary
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.laws import laws_of_joint
+from jointclosure.joint.load import stated_load
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
 from jointclosure.joint.tables import ENDS, cycle_table, stress_table
@@ -63,7 +64,7 @@ from tests.studied import ROOT
 
 CONDITIONS = jc.Conditions(
     SPACING, DOLERITE, 2e6, 1, 0.2e6, choices=jc.Choices(strength_bound="none")
-)
+).checked()
 CLOSURE = next(iter(QUANTITIES))
 MODULI = {"youngs_modulus": (50e9, 90e9)}
 
@@ -78,9 +79,7 @@ def budget_joint():
 
 @pytest.fixture(scope="module")
 def budget():
-    return uncertainty_budget(
-        uncertain_joint(*pair((20, 24)), CONDITIONS.checked(), MODULI), workers=1
-    )
+    return uncertainty_budget(uncertain_joint(*pair((20, 24)), CONDITIONS, MODULI), workers=1)
 
 
 def test_bands_with_other_choices_contain_those_of_nine_in_ten(budget):
@@ -600,7 +599,7 @@ def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
 
 
 def test_a_budget_is_the_same_by_any_number_of_workers(budget, small_joint):
-    joint = uncertain_joint(*small_joint, CONDITIONS.checked(), MODULI)
+    joint = uncertain_joint(*small_joint, CONDITIONS, MODULI)
     again = uncertainty_budget(joint, workers=2)
     pd.testing.assert_frame_equal(budget.results, again.results, check_exact=True)
     pd.testing.assert_frame_equal(budget.curves, again.curves, check_exact=True)
@@ -629,9 +628,9 @@ def test_a_budget_prints_its_ranges_with_its_sentences(budget):
 
 @pytest.mark.filterwarnings("ignore:All-NaN:RuntimeWarning")
 def test_a_joint_that_fails_has_unknown_results(small_joint):
-    load = {"max_normal_stress": 3e9, "effects": jc.Effects(gouge=False), "unusual_values": True}
+    load = {"load": stated_load(3e9), "effects": jc.Effects(gouge=False), "unusual_values": True}
     walls = [wall[:8, :8] for wall in small_joint]
-    conditions = CONDITIONS._replace(**load).checked()
+    conditions = CONDITIONS._replace(**load)
     budget = uncertainty_budget(uncertain_joint(*walls, conditions))
     best = budget.results[budget.results.source == ""]
     assert (best.status >= FAILURE).all()
@@ -639,7 +638,7 @@ def test_a_joint_that_fails_has_unknown_results(small_joint):
 
 
 def test_random_values_fill_their_ranges():
-    conditions = CONDITIONS.checked()
+    conditions = CONDITIONS
     stated = {"peak_modulus_ratio": PLAUSIBLE["peak_modulus_ratio"]}
     stated |= MODULI | {"spacing": (SPACING, 2.0 * SPACING)}
     sources = sources_of(conditions, (20, 24), stated)
@@ -655,7 +654,7 @@ def test_random_values_fill_their_ranges():
 
 
 def test_choices_of_the_model_that_are_not_stated_are_changed_alone():
-    conditions = CONDITIONS.checked()
+    conditions = CONDITIONS
     sources = sources_of(conditions, (20, 24), MODULI)
     variants = list(variants_of(conditions, sources))
     drawn = [v for v in variants if v.source == ALL]
@@ -675,11 +674,11 @@ def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint
             numerics=jc.Numerics(breakage="resolved")
         ),
         ("youngs_modulus", "50 (GPa)"): CONDITIONS._replace(
-            rock=DOLERITE._replace(youngs_modulus=50e9)
+            rock=(DOLERITE._replace(youngs_modulus=50e9),) * 2
         ),
     }
     for variant, conditions in alone.items():
-        closed = simulate_walls(*small_joint, conditions.checked())
+        closed = simulate_walls(*small_joint, conditions)
         assert results[variant] == cycle_table(closed)[CLOSURE].iloc[0]
     assert budget.omitted == ("registration", "poisson_ratio", "compressive_strength")
     low, high = budget.ranges.loc[(1, CLOSURE), ["low", "high"]]
@@ -716,7 +715,7 @@ def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
     none = np.zeros(small_joint[0].shape, bool)
     covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
     errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
-    joint = uncertain_joint(*small_joint, CONDITIONS.checked(), {}, errors)
+    joint = uncertain_joint(*small_joint, CONDITIONS, {}, errors)
     assert len(joint.variants) == 25
     drawn = [v for v in joint.variants if v.source == ALL and v.step == 1]
     walls = [v.walls(*small_joint, errors)[0] for v in drawn]

@@ -23,12 +23,12 @@ from jointclosure.compilation.code_digests import code_digest
 from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.execution.workers import Failed, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_below
+from jointclosure.joint.checked_conditions import CheckedConditions, on_grid
 from jointclosure.joint.conditions import (
     SCAN_DEFAULTS,
     Changes,
     Conditions,
     conditions_from,
-    on_grid,
     takes_scans,
 )
 from jointclosure.joint.stated_conditions import checked_as_stated
@@ -517,7 +517,7 @@ class Assessment:
 def assess(
     walls: Any,
     *,
-    conditions: Conditions | None = None,
+    conditions: Conditions | CheckedConditions | None = None,
     within: float = 0.05,
     budget: float | None = None,
     folder: str | Path | None = None,
@@ -579,7 +579,7 @@ def assess(
 
 def checked_request(
     stated: Conditions, within: float = 0.05, budget: float | None = None
-) -> Conditions:
+) -> CheckedConditions:
     """Return the checked conditions of an assessment.
 
     Raise `InputError` if they, the requested error [1] or the budget [s] are not allowed.
@@ -590,7 +590,9 @@ def checked_request(
     return checked_as_stated(stated, varied=True)
 
 
-def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Conditions]]:
+def assessed_variants(
+    given: CheckedConditions,
+) -> tuple[str, list[str], dict[str, CheckedConditions]]:
     """Return the variants of a scene.
 
     They are the name of the stated setting, the names of all settings (the finest last), and the
@@ -617,7 +619,9 @@ def assessed_variants(given: Conditions) -> tuple[str, list[str], dict[str, Cond
     return stated, ladder, variants
 
 
-def _with_stated(settings: dict[str, Conditions], given: Conditions) -> dict[str, Conditions]:
+def _with_stated(
+    settings: dict[str, CheckedConditions], given: CheckedConditions
+) -> dict[str, CheckedConditions]:
     """Return settings of the numerics, ordered by their accuracy, among which is the stated one.
 
     Resolved breakage as stated takes the place of the setting with its tolerance, from which it may
@@ -655,7 +659,7 @@ def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float
 def closures_of(
     tasks: Sequence[tuple[str, int, str]],
     stated: str,
-    variants: Mapping[str, Conditions],
+    variants: Mapping[str, CheckedConditions],
     pairs: Sequence[Walls],
     folder: str | Path | None = None,
     workers: int | None = 1,

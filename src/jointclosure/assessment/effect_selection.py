@@ -25,11 +25,11 @@ from jointclosure.assessment.effect_names import without
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.ensembles.simulation import read_joint, simulated_joint
 from jointclosure.inputs import check_below, check_count
+from jointclosure.joint.checked_conditions import CheckedConditions, on_grid
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
     conditions_from,
-    on_grid,
     takes_conditions,
 )
 from jointclosure.joint.stated_conditions import checked_as_stated
@@ -136,7 +136,7 @@ class Pilot:
 
     longer = LONGER
 
-    def __init__(self, pairs: Sequence[Walls], conditions: Conditions, joints: int):
+    def __init__(self, pairs: Sequence[Walls], conditions: CheckedConditions, joints: int):
         self.conditions = conditions
         self.effects = conditions.effects
         self.joints = joints
@@ -300,7 +300,7 @@ class Selection(NamedTuple):
 def choose_effects(
     walls: Any,
     *,
-    conditions: Conditions | None = None,
+    conditions: Conditions | CheckedConditions | None = None,
     tolerance: float = AUTO_TOLERANCE,
     joints: int = 20,
     report: Callable[[str], None] = lambda line: None,

@@ -20,7 +20,7 @@ from jointclosure.cli.exports import export_files, export_remarks, exported_load
 from jointclosure.execution.progress import duration, seconds_of_process
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.inputs.remarks import cautions
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.load import stated_load
 from jointclosure.joint.rocks import rock_record
 from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import RESOLVED
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     stated["ranges"] = _ranges(arguments.range)
     asked = stated.pop("snapshots")
     stress = stated["max_normal_stress"]
-    load = Conditions(None, stated["rock"], stress, stated.get("cycles"))
+    load = stated_load(stress, stated.get("cycles"))
     options.check_export_cycle(arguments.export_cycle, load)
     kept = results.kept_stresses(asked, arguments.animation, stress)
     joint = close(**stated, snapshots=kept, rock_name=rock.title, progress=True)

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.load import Load
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
@@ -254,12 +255,11 @@ def add_export_cycle(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--export-cycle", type=int, default=1, metavar="N", help=what)
 
 
-def check_export_cycle(cycle: int, conditions: Conditions) -> None:
+def check_export_cycle(cycle: int, load: Load) -> None:
     """Raise `InputError` if the load has no such cycle."""
-    if not 1 <= cycle <= conditions.cycle_count:
-        raise InputError(
-            f"--export-cycle {cycle}: must be a cycle of the load, 1 to {conditions.cycle_count}"
-        )
+    cycles = len(load.load_cycles)
+    if not 1 <= cycle <= cycles:
+        raise InputError(f"--export-cycle {cycle}: must be a cycle of the load, 1 to {cycles}")
 
 
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:

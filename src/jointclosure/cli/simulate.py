@@ -21,9 +21,9 @@ from jointclosure.cli import options, results
 from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import closing_bar, duration, seconds_of_process
 from jointclosure.inputs import InputError
+from jointclosure.joint.checked_conditions import check_named_stresses
 from jointclosure.joint.conditions import (
     Conditions,
-    check_named_stresses,
     conditions_from,
 )
 from jointclosure.joint.history import history_of
@@ -66,18 +66,19 @@ def run(arguments: argparse.Namespace) -> int:
     about["jrc"] = jrc = stated.pop("jrc")
     conditions = conditions_from(None, stated, "simulate", "spacing")
     kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
-    options.check_export_cycle(arguments.export_cycle, conditions)
-    check_named_stresses(arguments.at, checked_as_stated(conditions, kept))
+    checked = checked_as_stated(conditions, kept)
+    options.check_export_cycle(arguments.export_cycle, checked.load)
+    check_named_stresses(arguments.at, checked)
     lengths = options.given(arguments, ("joint_length", "lab_length"))
     check_joint_lengths(**lengths)
     walls = wall_pair(**about)
-    grid = grid_text(arguments.shape, conditions.grid_spacing)
+    grid = grid_text(arguments.shape, checked.grid_spacing)
     title = f"{rock.title}, JRC {jrc:g}, {grid}, seed {arguments.seed}"
-    print(f"{title}: {conditions.load_text()}")
-    with closing_bar(conditions.cycle_count) as report:
+    print(f"{title}: {checked.load.description()}")
+    with closing_bar(checked.cycle_count) as report:
         closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
     strength = rock.intact.compressive_strength
-    cycles = conditions.cycle_count
+    cycles = checked.cycle_count
     seating = closed.attrs["seating_stress_Pa"]
     laws = laws_of_joint(jrc, strength, seating, cycles, **lengths)
     curves = stress_table(closed, history_of(closed).table_levels(arguments.at))

@@ -8,7 +8,6 @@ import numpy as np
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.cycle_results import hysteresis, largest_jump, loop_between
-from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.status import LOADING, unbreakable_share
 from jointclosure.walls.bearing_area import bearing_depths
 from jointclosure.walls.jrc import rms_slope
@@ -234,7 +233,7 @@ QUANTITIES: dict[str, Quantity] = {
     "stress_over_strength": Quantity(
         "maximum stress over the compressive strength of the weaker rock", "1", (),
         lambda joint: joint.conditions.largest_stress / min(
-            rock.compressive_strength for rock in both_walls(joint.conditions.rock))),
+            rock.compressive_strength for rock in joint.conditions.rock)),
     "oracle_ratio": Quantity(
         "largest number of the oracle over its limit, at the first maximum", "1", (),
         _oracle_ratio),

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import History, history_of
 from jointclosure.joint.laws import loading_hyperbolas
@@ -23,7 +23,7 @@ class SimulatedJoint:
 
     walls: Walls
     closed: xr.Dataset
-    conditions: Conditions
+    conditions: CheckedConditions
     seconds: float
     stresses: np.ndarray
 

@@ -14,6 +14,7 @@ from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.execution.progress import bar
 from jointclosure.execution.workers import Failed, ProcessLostError, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_count
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import Changes, Conditions, conditions_from, takes_conditions
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.stated_conditions import checked_as_stated
@@ -31,14 +32,14 @@ Row = dict[str, Any]  # quantities of a joint by name; a failed joint has only t
 class Reading(NamedTuple):
     """Conditions of joints, names of the quantities that are read, and stresses of curves [Pa]."""
 
-    conditions: Conditions
+    conditions: CheckedConditions
     names: tuple[str, ...]
     stresses: np.ndarray = np.empty(0)
 
 
 def simulated_joint(
     walls: Walls | CrushedWalls,
-    conditions: Conditions,
+    conditions: CheckedConditions,
     stresses: np.ndarray = np.empty(0),
     snapshots: Sequence[float] = (),
 ) -> SimulatedJoint:
@@ -102,7 +103,7 @@ def stack_rows(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Read
 def simulate_ensemble(
     walls: Iterable[Walls] | Callable[[int], Walls],
     *,
-    conditions: Conditions | None = None,
+    conditions: Conditions | CheckedConditions | None = None,
     seeds: Iterable[int] = range(20),
     stress_points: int = 31,
     workers: int | None = None,
@@ -148,12 +149,12 @@ def simulate_ensemble(
     """
     check_count("stress_points", stress_points, 2, 100_000)
     stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
-    spacing = stated.grid_spacing
-    conditions = checked_as_stated(stated)
-    stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
-    reading = Reading(conditions, names_of_case(conditions.flow), stresses)
+    checked = checked_as_stated(stated)
+    spacing = checked.grid_spacing
+    stresses = np.linspace(0.0, checked.largest_stress, stress_points)
+    reading = Reading(checked, names_of_case(checked.flow), stresses)
     labels, pairs = _pairs(walls, seeds, spacing)
-    if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
+    if not checked.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
         warnings.warn(doubtful, stacklevel=2)
     answers = _rows(pairs, reading, labels, number_of_workers(workers), progress)
     if all(isinstance(answer, Failed) for answer in answers):
@@ -169,7 +170,7 @@ def simulate_ensemble(
     about["flag_meanings"] += " not_simulated"
     ensemble["error"] = "realization", np.array(errors, dtype=object), why
     title = "closure of many rough joints"
-    return ensemble.assign_attrs({"title": title} | conditions.attributes())
+    return ensemble.assign_attrs({"title": title} | checked.attributes())
 
 
 def _rows(

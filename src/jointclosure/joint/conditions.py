@@ -1,32 +1,27 @@
-"""Conditions of a simulation: rock, load and model, as every function that simulates takes them."""
+"""Conditions of a simulation as a user states them: rock, load and model."""
 
-import json
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, TypedDict, cast
+from typing import Any, NamedTuple, TypedDict
 
 from jointclosure.inputs import InputError, check_length, check_number
 from jointclosure.inputs.keywords import check_keywords, takes
+from jointclosure.joint.checked_conditions import CheckedConditions, check_together
 from jointclosure.joint.load import (
     LARGEST_SEATING,
-    Load,
-    LoadCycle,
     check_snapshots,
     check_turns,
     stated_load,
     usual_seating,
 )
-from jointclosure.joint.rocks import ROCKS, both_walls, rock_record
+from jointclosure.joint.rocks import both_walls
 from jointclosure.parameters import (
     RESOLVED,
     Choices,
     Effects,
     Numerics,
     Rock,
-    check_crushed_strength,
     check_model,
-    check_radius,
     check_usual,
-    in_double,
 )
 
 
@@ -91,79 +86,20 @@ class Conditions(NamedTuple):
     unusual_values: bool = False
 
     @property
-    def load(self) -> Load:
-        """Load [Pa].
-
-        It is parsed from ``max_normal_stress`` and ``cycles`` if the conditions are not checked,
-        which may raise `InputError`.
-        """
-        return stated_load(self.max_normal_stress, self.cycles)
-
-    @property
-    def is_checked(self) -> bool:
-        """Whether these are conditions that `checked` returned, or a copy of them.
-
-        This does not say that values which the copy replaced are allowed.
-        """
-        return isinstance(self.max_normal_stress, Load)
-
-    @property
-    def cycle_count(self) -> int:
-        return len(self.load.load_cycles)
-
-    @property
-    def grid_spacing(self) -> float:
-        """Grid spacing [m], checked; `InputError` if it is missing or out of its range."""
-        spacing = cast(float, self.spacing)
-        check_length("spacing", spacing)
-        return float(spacing)
-
-    @property
-    def largest_stress(self) -> float:
-        """Largest normal stress of all cycles [Pa]."""
-        return self.load.largest
-
-    @property
     def model(self) -> tuple[Effects, Choices, Numerics]:
         """Effects, choices and numerics."""
         return self.effects, self.choices, self.numerics
 
-    def load_text(self) -> str:
-        """Describe the load in words: its stresses in MPa, and its cycles.
-
-        Two stresses alone may have been meant as one number with a decimal comma.
-        """
-        load = self.load
-        given = [f"{1e-6 * stress:g}" for stress in load.stresses]
-        cycles = len(load.load_cycles)
-        text = f"{', '.join(given)} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
-        if len(given) == 2 and "." not in "".join(given):
-            high, low = given
-            text += f" (up to {high} and down to {low} MPa; {high}.{low} MPa has a decimal point)"
-        return text
-
-    def attributes(self) -> dict[str, Any]:
-        """Return checked conditions as attributes of a dataset."""
-        load = self.load.load_cycles
-        repeated = load == (LoadCycle(load[0].maximum),) * len(load)
-        turns = [stress for cycle in load for stress in cycle]
-        return model_attributes(self.rock, self.grid_spacing, *self.model) | {
-            "max_normal_stress_Pa": load[0].maximum if repeated else turns,
-            "seating_stress_Pa": float(cast(float, self.seating_stress)),
-        }
-
-    def checked(self, snapshots: Sequence[float] = ()) -> "Conditions":
+    def checked(self, snapshots: Sequence[float] = ()) -> CheckedConditions:
         """Return the conditions with their values as simulations use them.
 
-        Replaced are ``rock`` by both rocks, ``max_normal_stress`` by a `Load`, ``cycles`` by its
-        number, and ``seating_stress`` by its default if not stated. Raise `InputError` if a
-        condition, or a stress [Pa] of the snapshots, is not allowed.
+        Raise `InputError` if a condition, or a stress [Pa] of the snapshots, is not allowed.
         """
         pair: tuple[Rock, Rock] = both_walls(self.rock)
         check_model(*self.model)
         if self.spacing is not None:
             check_length("spacing", self.spacing)
-        load = self.load
+        load = stated_load(self.max_normal_stress, self.cycles)
         if self.effects.breakage or self.numerics.solver == "reference":  # else turns are exact
             check_turns(load, self.numerics.stress_tolerance)
         if not self.unusual_values:
@@ -184,77 +120,23 @@ class Conditions(NamedTuple):
         if not self.unusual_values:
             for stress in snapshots:
                 check_usual((), snapshots=stress)
-        checked = self._replace(
-            rock=pair,
-            max_normal_stress=cast(Any, load),  # the annotation has what a user may state
-            cycles=len(load.load_cycles),
-            seating_stress=float(seating),
+        checked = CheckedConditions(
+            self.spacing, pair, load, float(seating), *self.model, self.flow, self.unusual_values
         )
         check_together(checked)
         return checked
 
 
-def check_together(conditions: Conditions) -> None:
-    """Raise `InputError` if values that are each allowed do not fit each other.
-
-    It is called for checked conditions, and again where one of their values was changed to
-    another allowed one. A radius is compared with the grid spacing if this is known.
-    """
-    check_crushed_strength(conditions.choices)
-    if conditions.spacing is not None:
-        check_radius(conditions.choices, conditions.spacing)
-    largest = conditions.largest_stress
-    stiffness = min(wall.youngs_modulus for wall in conditions.rock)
-    if largest >= stiffness:
-        raise InputError(
-            f"{conditions.load}: must be below the rock's youngs_modulus = "
-            f"{1e-6 * stiffness:g} MPa (in Python both are in Pa)"
-        )
-
-
-def on_grid(checked: Conditions, spacing: float) -> Conditions:
-    """Return checked conditions with the grid spacing [m] that the walls determine.
-
-    Raise `InputError` if it is unusual, or does not fit the other conditions.
-    """
-    if not checked.unusual_values:
-        check_usual((), spacing=spacing)
-    conditions = checked._replace(spacing=spacing)
-    check_together(conditions)
-    return conditions
-
-
-def check_named_stresses(stresses: Sequence[float], checked: Conditions) -> None:
-    """Raise `InputError` unless stresses [Pa] are above 0, and from seating to the largest maximum.
-
-    Closures count from the seating stress, which ``checked`` conditions have.
-    """
-    largest = checked.largest_stress
-    seating = float(cast(float, checked.seating_stress))
-    least = f"from the seating stress, {1e-6 * seating:g} MPa," if seating else "above 0 MPa, up"
-    for stress in stresses:
-        check_number("at", stress)
-        if not (stress > 0.0 and seating <= stress <= largest):
-            raise InputError(
-                f"at (--at): {1e-6 * stress:g} MPa: must be {least} to the maximum normal stress, "
-                f"{1e-6 * largest:g} MPa"
-            )
-
-
-def model_attributes(
-    rock: tuple[Rock, Rock], spacing: float, effects: Effects, choices: Choices, numerics: Numerics
-) -> dict[str, Any]:
-    """Return rock, spacing and model as attributes of a dataset; the rock as `rock_record`."""
-    names = (name for name, known in ROCKS.items() if rock == (known.intact, known.intact))
-    switches = {name: bool(on) for name, on in effects._asdict().items()}
-    return {
-        "Conventions": "CF-1.11",
-        "rock": json.dumps(rock_record(rock, next(names, "rock"))),
-        "spacing_m": spacing,
-        "effects": json.dumps(switches),
-        "choices": json.dumps(in_double(choices)._asdict()),
-        "numerics": json.dumps(in_double(numerics)._asdict()),
-    }
+def as_stated(checked: CheckedConditions) -> Conditions:
+    """Return checked conditions as a user would state them."""
+    load = checked.load
+    return Conditions(
+        checked.spacing,
+        checked.rock,
+        load.stresses if load.is_history else load.largest,
+        None if load.is_history else checked.cycle_count,
+        *checked[3:],
+    )
 
 
 takes_conditions = takes(Conditions)
@@ -268,7 +150,7 @@ the spacing. Without ``conditions`` breakage is resolved, unless ``numerics`` ar
 
 
 def conditions_from(
-    conditions: Conditions | None,
+    conditions: Conditions | CheckedConditions | None,
     changes: Mapping[str, Any],
     function: str,
     *required: str,
@@ -290,4 +172,6 @@ def conditions_from(
     check_keywords(function, changes, Conditions._fields, needed, inside)
     if conditions is None:
         return Conditions(**{"spacing": None, **defaults, **changes})
+    if isinstance(conditions, CheckedConditions):
+        conditions = as_stated(conditions)
     return conditions._replace(**changes)

@@ -43,10 +43,27 @@ class Load(NamedTuple):
         """Return the stated load as messages name it."""
         return _shown(self.stresses, self.is_history)
 
+    def description(self) -> str:
+        """Describe the load in words: its stresses in MPa, and its cycles.
+
+        Two stresses alone may have been meant as one number with a decimal comma.
+        """
+        given = [f"{1e-6 * stress:g}" for stress in self.stresses]
+        cycles = len(self.load_cycles)
+        text = f"{', '.join(given)} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
+        if len(given) == 2 and "." not in "".join(given):
+            high, low = given
+            text += f" (up to {high} and down to {low} MPa; {high}.{low} MPa has a decimal point)"
+        return text
+
     @property
     def least_maximum(self) -> float:
         """Smallest maximum of all cycles [Pa]."""
         return min(cycle.maximum for cycle in self.load_cycles)
+
+    def with_cycles(self, cycles: int) -> "Load":
+        """Return the load with another number of cycles, if all have the same maximum."""
+        return parsed_load(self.stresses, self.is_history, cycles)
 
     @property
     def largest(self) -> float:
@@ -54,18 +71,8 @@ class Load(NamedTuple):
         return max(self.stresses)
 
 
-def stated_load(
-    max_normal_stress: float | Sequence[float] | Load, cycles: int | None = None
-) -> Load:
-    """Return the load that is stated (see `Conditions`), or raise `InputError`.
-
-    A `Load` is returned as it is, unless another number of cycles is stated.
-    """
-    if isinstance(max_normal_stress, Load):
-        load = max_normal_stress
-        if cycles is None or cycles == len(load.load_cycles):
-            return load
-        return parsed_load(load.stresses, load.is_history, cycles)
+def stated_load(max_normal_stress: float | Sequence[float], cycles: int | None = None) -> Load:
+    """Return the load that is stated (see `Conditions`), or raise `InputError`."""
     if _is_history(max_normal_stress):
         return parsed_load(tuple(cast(Sequence[float], max_normal_stress)), True, cycles)
     return parsed_load((cast(float, max_normal_stress),), False, cycles)

@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Unpack, cast
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike
 from jointclosure.inputs import LENGTHS, InputError, check_length, check_number, naming
 from jointclosure.joint import cycling
 from jointclosure.joint.attributes import ATTRIBUTES
+from jointclosure.joint.checked_conditions import (
+    CheckedConditions,
+    check_together,
+    model_attributes,
+)
 from jointclosure.joint.conditions import (
     Changes,
     Conditions,
-    check_together,
     conditions_from,
-    model_attributes,
     takes_conditions,
 )
 from jointclosure.joint.cycle_results import unloading_excess
@@ -55,7 +58,7 @@ def simulate(
     upper: ArrayLike,
     lower: ArrayLike,
     *,
-    conditions: Conditions | None = None,
+    conditions: Conditions | CheckedConditions | None = None,
     report: cycling.StepReport | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
@@ -134,13 +137,13 @@ def simulate(
     ``Numerics.curve_points`` stresses (and the seating stress) up and down one curve.
     """
     stated = conditions_from(conditions, changes, "simulate", "spacing")
-    spacing = stated.grid_spacing
-    conditions = checked_as_stated(stated, snapshots)
+    checked = checked_as_stated(stated, snapshots)
+    spacing = checked.grid_spacing
     walls = checked_walls(upper, lower, spacing)
-    if not conditions.unusual_values:
+    if not checked.unusual_values:
         warn_of_doubts(*walls, spacing)
-    simulation = Simulation(*walls, conditions, snapshots, pristine)
-    for doubt in [] if conditions.unusual_values else simulation.near_strength():
+    simulation = Simulation(*walls, checked, snapshots, pristine)
+    for doubt in [] if checked.unusual_values else simulation.near_strength():
         warnings.warn(doubt, stacklevel=2)
     return simulation.run(report)
 
@@ -148,23 +151,19 @@ def simulate(
 def simulate_walls(
     upper: ArrayLike,
     lower: ArrayLike,
-    conditions: Conditions,
+    conditions: CheckedConditions,
     report: cycling.StepReport | None = None,
     snapshots: Sequence[float] = (),
     pristine: Sequence[ArrayLike] | None = None,
     solver_of: Callable[[str], Solver] = solver_named,
 ) -> xr.Dataset:
-    """Simulate two walls (y, x) [m] as `simulate`, and accept unusual values.
+    """Simulate two walls (y, x) [m] as `simulate`, under conditions that were checked before.
 
-    Conditions that were checked before, and maybe changed to other allowed values, are not checked
-    again; only whether their values fit each other is.
+    Of values that were changed since then only whether they fit each other is checked.
     """
     walls = checked_walls(upper, lower, conditions.grid_spacing)
-    if conditions.is_checked:
-        check_together(conditions)
-        check_snapshots(snapshots, conditions.load)
-    else:
-        conditions = conditions._replace(unusual_values=True).checked(snapshots)
+    check_together(conditions)
+    check_snapshots(snapshots, conditions.load)
     return Simulation(*walls, conditions, snapshots, pristine, solver_of).run(report)
 
 
@@ -183,8 +182,8 @@ class Simulation:
     ----------
     upper, lower : array (y, x)
         Walls [m], as from `checked_walls`.
-    conditions : Conditions
-        As `Conditions.checked` returns them for these ``snapshots``, with the spacing of the walls.
+    conditions : CheckedConditions
+        With the spacing of the walls, checked for these ``snapshots``.
     snapshots, pristine
         As for `simulate`.
     solver_of : callable
@@ -201,7 +200,7 @@ class Simulation:
         self,
         upper: np.ndarray,
         lower: np.ndarray,
-        conditions: Conditions,
+        conditions: CheckedConditions,
         snapshots: Sequence[float] = (),
         pristine: Sequence[ArrayLike] | None = None,
         solver_of: Callable[[str], Solver] = solver_named,
@@ -281,7 +280,7 @@ class Simulation:
         forces = [
             LoadCycle(*(stress * area for stress in cycle)) for cycle in conditions.load.load_cycles
         ]
-        seating_force = cast(float, conditions.seating_stress) * area
+        seating_force = conditions.seating_stress * area
         history = cycling.run_cycles(joint, self.solver, forces, seating_force, report, observers)
         joint.upper += self.datums[0]
         joint.lower += self.datums[1]
@@ -408,7 +407,7 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: cycling.StepRecord, area: float, conditions: Conditions
+    joint: Joint, history: cycling.StepRecord, area: float, conditions: CheckedConditions
 ) -> xr.Dataset:
     """Arrange the record of a simulated joint of an area [m2] as the Dataset of `simulate`."""
     load = conditions.load.load_cycles

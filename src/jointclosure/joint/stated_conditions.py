@@ -6,19 +6,20 @@ as those that make surfaces, do not depend on these (`jointclosure.joint.conditi
 
 from collections.abc import Sequence
 
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.feasibility import check_strength
 from jointclosure.parameters import check_effective
 
 
-def check_carried(checked: Conditions) -> None:
+def check_carried(checked: CheckedConditions) -> None:
     """Raise `InputError` if no walls of the rocks of checked conditions carry the stress."""
     check_strength(checked.rock, checked.largest_stress, *checked.model, checked.spacing)
 
 
 def checked_as_stated(
     stated: Conditions, snapshots: Sequence[float] = (), varied: bool = False
-) -> Conditions:
+) -> CheckedConditions:
     """Check the conditions that a user states, once for each call of a public function.
 
     Return them as `Conditions.checked` does. Raise `InputError` if a value is not allowed, if no

@@ -59,7 +59,7 @@ def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: A
     joint |= {"choices": choices, "numerics": Numerics(solver=solver, breakage=breakage)}
     walls = wall_pair(8.0, (24, 24), joint["spacing"], seed=1)
     # not by `simulate`, which refuses peaks that have no effect on these scenes
-    simulate_walls(*walls, Conditions(max_normal_stress=1e6, cycles=1, **joint))
+    simulate_walls(*walls, Conditions(max_normal_stress=1e6, cycles=1, **joint).checked())
     if effects.interaction and solver == "fast":  # with more contacts than the small joint has
         table = np.zeros(walls[0].shape)
         cells = np.empty(0, np.int64)

@@ -171,7 +171,7 @@ class ComparisonJoints(NamedTuple):
         asked = self.asked
         walls = asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
         middle = self.strengths[len(self.strengths) // 2]
-        first = with_strength(self.conditions, middle, LaterLoading())
+        first = with_strength(self.conditions, middle, LaterLoading()).checked()
         seconds = seconds_of_joint(*walls, first)
         loadings = [
             time_of_loadings(
@@ -261,13 +261,16 @@ def loadings_of(
     """
     unchanged = tuple(laters) == (LaterLoading(),)
     conditions = with_strength(first, strength, LaterLoading())
-    once = simulate_walls(*pair, conditions._replace(cycles=cycles if unchanged else 1))
+    of_first = conditions._replace(cycles=cycles if unchanged else 1, unusual_values=True)
+    once = simulate_walls(*pair, of_first.checked())
     yield once
     crushed = once.upper_final.values, once.lower_final.values
     for later in () if unchanged or cycles == 1 or failed(once) else laters:
-        conditions = with_strength(first, strength, later)._replace(cycles=cycles - 1)
+        conditions = with_strength(first, strength, later)._replace(
+            cycles=cycles - 1, unusual_values=True
+        )
         seated, pristine = (shifted(both, (0, later.shift)) for both in (crushed, pair))
-        yield simulate_walls(*seated, conditions, pristine=pristine)
+        yield simulate_walls(*seated, conditions.checked(), pristine=pristine)
 
 
 def time_of_loadings(

@@ -84,7 +84,7 @@ class _Candidates:
         joint = self.joint
         solution = solve_equilibrium(
             self.influence, start, force, target, self.tolerance, self.matrix,
-            field=field, space=joint.space_for(np.count_nonzero(force)),
+            field=field, space=joint.space_for(int(np.count_nonzero(force))),
         )  # fmt: skip
         joint.coarse_space = solution.space
         return solution
@@ -116,7 +116,7 @@ class _Candidates:
             guess[slot] = force[inside]
             solution = solve_equilibrium(
                 self.influence, contacts, guess, target, self.tolerance, matrix,
-                space=self.joint.space_for(np.count_nonzero(guess)),
+                space=self.joint.space_for(int(np.count_nonzero(guess))),
             )  # fmt: skip
             self.joint.coarse_space = solution.space
             field = _UNKNOWN  # the forces are others now

@@ -14,7 +14,6 @@ from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS
-from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import failed
 from jointclosure.joint.tables import stress_table
@@ -352,7 +351,7 @@ def uncertainty_budget(
         report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
     rows, curves = zip(*(answers[number] for number in range(len(variants))), strict=True)
     results = pd.concat(rows, ignore_index=True)
-    exact = "registration", *acting(both_walls(joint.conditions.rock)[0])
+    exact = "registration", *acting(joint.conditions.rock[0])
     omitted = tuple(name for name in exact if name not in sources)
     shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change

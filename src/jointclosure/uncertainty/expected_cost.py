@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.parameters import Effects, Numerics
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
@@ -89,7 +89,7 @@ def _variants_over_joint(joint: UncertainJoint, power: float) -> float:
 
 
 def seconds_of_joint(
-    upper: np.ndarray, lower: np.ndarray, conditions: Conditions
+    upper: np.ndarray, lower: np.ndarray, conditions: CheckedConditions
 ) -> tuple[float, float]:
     """Estimate the smallest and largest processor time [s] of a joint of walls (y, x) [m].
 
@@ -118,7 +118,7 @@ def relative_cost(effects: Effects, numerics: Numerics) -> float:
 
 
 def time_of_window(
-    upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
+    upper: np.ndarray, lower: np.ndarray, size: int, conditions: CheckedConditions
 ) -> tuple[float, int]:
     """Return the processor time [s] to simulate the middle of two walls, and its cells."""
     window = window_of((upper, lower), size)

@@ -14,13 +14,12 @@ from jointclosure.execution.progress import bar, closing_bar
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions, without_word
+from jointclosure.joint.checked_conditions import CheckedConditions, check_named_stresses, on_grid
 from jointclosure.joint.conditions import (
     SCAN_DEFAULTS,
     Changes,
     Conditions,
-    check_named_stresses,
     conditions_from,
-    on_grid,
     takes_scans,
 )
 from jointclosure.joint.cycling import StepReport
@@ -31,7 +30,7 @@ from jointclosure.joint.laws import (
     check_joint_lengths,
     laws_of_joint,
 )
-from jointclosure.joint.rocks import both_walls, rock_text
+from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import failed
@@ -69,7 +68,7 @@ class ClosedJoint(NamedTuple):
 
     pair: RegisteredPair
     history: xr.Dataset
-    conditions: Conditions
+    conditions: CheckedConditions
     rock_name: str = "rock"
     budget: Budget | None = None
     at: tuple[float, ...] = ()
@@ -94,7 +93,7 @@ class ClosedJoint(NamedTuple):
         outcome = ", failed" if failed(self.history) else ""
         return (
             f"<ClosedJoint: {self.description}, closes {net} mm net ({gross} mm gross) since "
-            f"{seating:g} MPa ({self.conditions.load_text()}){outcome}>"
+            f"{seating:g} MPa ({self.conditions.load.description()}){outcome}>"
         )
 
     def __str__(self) -> str:
@@ -110,7 +109,7 @@ class ClosedJoint(NamedTuple):
     def laws(self) -> JointLaws:
         """Laws of Barton and Bandis for the JRC of the walls and the strength of the weaker one."""
         jrc = joint_jrc((self.pair.upper, self.pair.lower), self.pair.spacing)
-        strength = min(wall.compressive_strength for wall in both_walls(self.conditions.rock))
+        strength = min(wall.compressive_strength for wall in self.conditions.rock)
         seating = float(self.history.attrs["seating_stress_Pa"])
         lengths = self.joint_length, self.lab_length
         return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count, *lengths)
@@ -127,7 +126,7 @@ def close(
     upper: Wall,
     lower: Wall,
     *,
-    conditions: Conditions | None = None,
+    conditions: Conditions | CheckedConditions | None = None,
     units: str | tuple[str, str] | None = None,
     scan_spacing: float | tuple[float, float] | None = None,
     variable: str | None = None,
@@ -226,29 +225,29 @@ def close(
         spikes=spikes,
         unusual_values=checked.unusual_values,
     )
-    conditions = on_grid(checked, pair.spacing)
+    checked = on_grid(checked, pair.spacing)
     remark = _Remarks(printed=progress)
     remark(pair.report, () if checked.unusual_values else pair.warnings, heading="Registration")
-    uncertain = _joint_and_variants(pair, conditions, ranges, single)
+    uncertain = _joint_and_variants(pair, checked, ranges, single)
     if progress:
-        print(f"\nJoint\n{_description(pair, conditions, name)}: {conditions.load_text()}")
+        print(f"\nJoint\n{_description(pair, checked, name)}: {checked.load.description()}")
     untested = [] if single else beyond_tested(pair)
     noise_remarks = [*_about_noise(pair, uncertain.errors), *untested]
     remark(noise_remarks, () if checked.unusual_values else untested)
 
     has_holes = bool(pair.holes.any())
     # of the force on holes there is a snapshot at the largest stress, which is given up again
-    taken = (*snapshots, float(conditions.largest_stress)) if has_holes else snapshots
-    simulation = Simulation(pair.upper, pair.lower, conditions, taken)
+    taken = (*snapshots, float(checked.largest_stress)) if has_holes else snapshots
+    simulation = Simulation(pair.upper, pair.lower, checked, taken)
     slow = [] if checked.unusual_values else simulation.near_strength()
     for doubts in (slow, _about_cost(uncertain, workers)):
         remark(doubts, doubts)
     # compile first, so that the time of the joint, from which the time of the range is estimated,
     # does not contain it
     if not single:
-        prepare_kernels([conditions.model])
+        prepare_kernels([checked.model])
     history, seconds = _timed_run(simulation, report, progress)
-    largest = float(conditions.largest_stress)
+    largest = float(checked.largest_stress)
     hole_remarks = _force_in_holes(pair, history, largest) if has_holes else []
     remark(hole_remarks, () if checked.unusual_values else cautions(hole_remarks))
     history = with_snapshots(history, snapshots) if has_holes else history
@@ -262,11 +261,11 @@ def close(
         remark(stopped)
     pair = pair._replace(report=[*pair.report, *noise_remarks, *hole_remarks, *stopped])
     lengths = joint_length, lab_length
-    return ClosedJoint(pair, history, conditions, name, budget, tuple(at), *lengths)
+    return ClosedJoint(pair, history, checked, name, budget, tuple(at), *lengths)
 
 
 def _check_range(
-    conditions: Conditions,
+    conditions: CheckedConditions,
     single: bool,
     ranges: Mapping[str, tuple[float, float]],
     workers: int | None,
@@ -280,7 +279,7 @@ def _check_range(
 
 def _joint_and_variants(
     pair: RegisteredPair,
-    conditions: Conditions,
+    conditions: CheckedConditions,
     ranges: Mapping[str, tuple[float, float]],
     single: bool,
 ) -> UncertainJoint:
@@ -338,7 +337,7 @@ def _no_bar(share: float, variant: str) -> None:
     """Show no progress."""
 
 
-def _description(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
+def _description(pair: RegisteredPair, conditions: CheckedConditions, rock_name: str) -> str:
     """Describe rock, cells and size of a joint, which need not be simulated yet."""
     ny, nx = pair.upper.shape
     step = 1e3 * pair.spacing

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError, check_number, did_you_mean, naming
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.rocks import both_walls
 from jointclosure.parameters import (
     OF_ROCK,
@@ -89,7 +89,7 @@ class Source(NamedTuple):
 
 
 def sources_of(
-    conditions: Conditions,
+    conditions: CheckedConditions,
     shape: tuple[int, ...],
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
@@ -169,12 +169,12 @@ def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Sourc
     return Source((low, high), "range", varied, part)
 
 
-def check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, float]]) -> None:
+def check_ranges(conditions: CheckedConditions, ranges: Mapping[str, tuple[float, float]]) -> None:
     """Raise `InputError` if a range is not allowed for checked conditions.
 
     A range of the spacing is compared with that of the joint's grid if this is known.
     """
-    first, second = both_walls(conditions.rock)
+    first, second = conditions.rock
     for name, ends in ranges.items():
         if name not in VARIED:
             known = ", ".join(VARIED)

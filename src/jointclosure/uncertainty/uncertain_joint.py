@@ -9,7 +9,7 @@ import xarray as xr
 
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.uncertainty.sources import Source, sources_of
@@ -32,7 +32,7 @@ class UncertainJoint(NamedTuple):
 
     upper: np.ndarray
     lower: np.ndarray
-    conditions: Conditions
+    conditions: CheckedConditions
     errors: ScanErrors | None = None
     sources: Mapping[str, Source] = {}
     variants: tuple[Variant, ...] = ()
@@ -57,7 +57,7 @@ class UncertainJoint(NamedTuple):
 def uncertain_joint(
     upper: np.ndarray,
     lower: np.ndarray,
-    conditions: Conditions,
+    conditions: CheckedConditions,
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
     finest: Walls | None = None,

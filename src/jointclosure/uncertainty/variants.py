@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.rocks import both_walls
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, TITLES, Source
@@ -47,7 +46,7 @@ class Variant(NamedTuple):
 
     source: str
     value: str
-    conditions: Conditions
+    conditions: CheckedConditions
     step: float = 1
     place: int = 0
     noise: int = 0
@@ -85,12 +84,15 @@ class Variant(NamedTuple):
         if name in PLAUSIBLE:
             choices = choices._replace(**{name: value})
             return self._replace(conditions=conditions._replace(choices=choices))
-        rock = tuple(wall._replace(**{name: value}) for wall in both_walls(conditions.rock))
-        return self._replace(conditions=conditions._replace(rock=rock))
+        upper, lower = (wall._replace(**{name: value}) for wall in conditions.rock)
+        return self._replace(conditions=conditions._replace(rock=(upper, lower)))
 
 
 def variants_of(
-    conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = SEED
+    conditions: CheckedConditions,
+    sources: Mapping[str, Source],
+    draws: int = DRAWS,
+    seed: int = SEED,
 ) -> Iterator[Variant]:
     """Generate the variants of a joint: each source changed alone, then all ``draws`` times."""
     joint = Variant("", "", conditions)

@@ -1,0 +1,147 @@
+"""Conditions of a simulation after they were checked, with their values as simulations use them."""
+
+import json
+from collections.abc import Sequence
+from typing import Any, NamedTuple, cast
+
+from jointclosure.inputs import InputError, check_length, check_number
+from jointclosure.joint.load import Load, LoadCycle
+from jointclosure.joint.rocks import ROCKS, rock_record
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    check_crushed_strength,
+    check_radius,
+    check_usual,
+    in_double,
+)
+
+
+class CheckedConditions(NamedTuple):
+    """Checked conditions of a simulation, in SI: all but the walls that closure depends on.
+
+    `jointclosure.Conditions.checked` makes them, and functions behind the public ones take them.
+    They may be copied with other values that are allowed; `check_together` then checks whether all
+    fit each other.
+
+    Attributes
+    ----------
+    spacing : float or None
+        Grid spacing [m] of the walls, None until scanned walls have determined it.
+    rock : (Rock, Rock)
+        Rock of the upper and of the lower wall.
+    load : Load
+        Load cycles [Pa].
+    seating_stress : float
+        Stress [Pa] from which closures since seating count.
+    effects, choices, numerics, flow, unusual_values
+        As in `jointclosure.Conditions`.
+    """
+
+    spacing: float | None
+    rock: tuple[Rock, Rock]
+    load: Load
+    seating_stress: float
+    effects: Effects
+    choices: Choices
+    numerics: Numerics
+    flow: bool
+    unusual_values: bool
+
+    @property
+    def grid_spacing(self) -> float:
+        """Grid spacing [m] of walls; `InputError` if neither user nor walls have stated it."""
+        spacing = cast(float, self.spacing)
+        if spacing is None:
+            check_length("spacing", spacing)
+        return spacing
+
+    @property
+    def cycle_count(self) -> int:
+        """Number of load cycles."""
+        return len(self.load.load_cycles)
+
+    @property
+    def largest_stress(self) -> float:
+        """Largest normal stress of all cycles [Pa]."""
+        return self.load.largest
+
+    @property
+    def model(self) -> tuple[Effects, Choices, Numerics]:
+        """Effects, choices and numerics."""
+        return self.effects, self.choices, self.numerics
+
+    def attributes(self) -> dict[str, Any]:
+        """Return the conditions as attributes of a dataset."""
+        load = self.load.load_cycles
+        repeated = load == (LoadCycle(load[0].maximum),) * len(load)
+        turns = [stress for cycle in load for stress in cycle]
+        return model_attributes(self.rock, self.grid_spacing, *self.model) | {
+            "max_normal_stress_Pa": load[0].maximum if repeated else turns,
+            "seating_stress_Pa": self.seating_stress,
+        }
+
+
+def check_together(conditions: CheckedConditions) -> None:
+    """Raise `InputError` if values that are each allowed do not fit each other.
+
+    It is called for checked conditions, and again where one of their values was changed to
+    another allowed one. A radius is compared with the grid spacing if this is known.
+    """
+    check_crushed_strength(conditions.choices)
+    if conditions.spacing is not None:
+        check_radius(conditions.choices, conditions.spacing)
+    largest = conditions.largest_stress
+    stiffness = min(wall.youngs_modulus for wall in conditions.rock)
+    if largest >= stiffness:
+        raise InputError(
+            f"{conditions.load}: must be below the rock's youngs_modulus = "
+            f"{1e-6 * stiffness:g} MPa (in Python both are in Pa)"
+        )
+
+
+def on_grid(checked: CheckedConditions, spacing: float) -> CheckedConditions:
+    """Return checked conditions with the grid spacing [m] that the walls determine.
+
+    Raise `InputError` if it is unusual, or does not fit the other conditions.
+    """
+    if not checked.unusual_values:
+        check_usual((), spacing=spacing)
+    conditions = checked._replace(spacing=spacing)
+    check_together(conditions)
+    return conditions
+
+
+def check_named_stresses(stresses: Sequence[float], checked: CheckedConditions) -> None:
+    """Raise `InputError` unless stresses [Pa] are above 0, and from seating to the largest maximum.
+
+    Closures count from the seating stress, which ``checked`` conditions have.
+    """
+    largest = checked.largest_stress
+    seating = checked.seating_stress
+    least = f"from the seating stress, {1e-6 * seating:g} MPa," if seating else "above 0 MPa, up"
+    for stress in stresses:
+        check_number("at", stress)
+        if not (stress > 0.0 and seating <= stress <= largest):
+            raise InputError(
+                f"at (--at): {1e-6 * stress:g} MPa: must be {least} to the maximum normal stress, "
+                f"{1e-6 * largest:g} MPa"
+            )
+
+
+def model_attributes(
+    rock: tuple[Rock, Rock], spacing: float, effects: Effects, choices: Choices, numerics: Numerics
+) -> dict[str, Any]:
+    """Return rock, spacing and model as attributes of a dataset; the rock as `rock_record`."""
+    names = (name for name, known in ROCKS.items() if rock == (known.intact, known.intact))
+    switches = {name: bool(on) for name, on in effects._asdict().items()}
+    return {
+        "Conventions": "CF-1.11",
+        "rock": json.dumps(rock_record(rock, next(names, "rock"))),
+        "spacing_m": spacing,
+        "effects": json.dumps(switches),
+        "choices": json.dumps(in_double(choices)._asdict()),
+        "numerics": json.dumps(in_double(numerics)._asdict()),
+    }
