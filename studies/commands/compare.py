@@ -130,13 +130,12 @@ ABOUT_ELASTICITIES = (
     "succeeded in both; elsewhere it takes both studies as independent. It contains the form of "
     "the fitted curve (docs/model.md), but not the error of the numerics."
 )
-ELASTIC_TITLES = dict(
-    zip(
-        ELASTIC,
-        ("gross closure", "net of bulk", "net since seating", "net chord stiffness"),
-        strict=True,
-    )
-)
+ELASTIC_TITLES = {
+    "": "gross closure",
+    "_net": "closure net of bulk",
+    "_seated_net": "net closure since seating",
+    "_stiffness": "net chord stiffness",
+}
 """Titles of the results whose elasticities are compared, by the suffixes of their columns."""
 SHOWN_OF_ELASTICITIES = [*INTERVAL, "of", "first", "second", "difference", "same_surfaces"]
 
