@@ -5,6 +5,7 @@ the same seeds are compared in pairs.
 import argparse
 import itertools
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.storage.files import read_csv, read_text
 from jointclosure.storage.netcdf import read_netcdf
 from studies.commands import existing, study_of
+from studies.commands.differences import differences
 from studies.frame.cases import ensembles_of
 from studies.frame.configuration import resolved
 from studies.frame.tables import succeeded
@@ -68,8 +70,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
 INTERVAL = ["rock", "parameter", "cycle"]
-MAY_DIFFER = ("provenance_", "timing_")
-"""Prefixes of names whose values may differ between two runs of one study."""
 
 
 def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
@@ -208,7 +208,7 @@ def _difference_of_elasticities(
     apart = estimates[1].value - estimates[0].value
     if not paired or not np.isfinite(apart) or (one.levels <= 0.0).any():
         errors = [estimate.standard_error for estimate in estimates]
-        return Estimate(apart, float(np.hypot(*errors)))
+        return Estimate(apart, math.hypot(*errors))
     of_one, of_two = (
         elasticity_contributions(part.levels, part.samples, part.base) for part in (one, two)
     )
@@ -254,37 +254,3 @@ def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
         change_most_percent=("change_percent", "max"),
         largest_standard_error=("standard_error_percent", "max"),
     ).reset_index()
-
-
-def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """List all differences between two datasets except in provenance and timing, one line each."""
-    messages = []
-    for kind, one, two in (
-        ("attribute", first.attrs, second.attrs),
-        ("variable", first.variables, second.variables),
-    ):
-        names = {str(name) for name in [*one, *two]}
-        for name in sorted(name for name in names if not name.startswith(MAY_DIFFER)):
-            if name not in one or name not in two:
-                where = "first" if name in one else "second"
-                messages.append(f"{kind} {name}: only in the {where}")
-            elif kind == "attribute" and not np.array_equal(one[name], two[name]):
-                messages.append(f"attribute {name} differs")
-            elif kind == "variable" and (where := _difference(one[name], two[name])):
-                messages.append(f"variable {name} differs{where}")
-    return messages
-
-
-def _difference(one: xr.Variable, two: xr.Variable) -> str:
-    """Describe how two variables differ; "" if they have the same bits and attributes."""
-    numbers = one.dtype.kind in "iuf"
-    if one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes()):
-        return ""
-    if one.shape != two.shape or not numbers:
-        return f": {one.dtype} {dict(one.sizes)} and {two.dtype} {dict(two.sizes)}"
-    unequal = ~((one.values == two.values) | (np.isnan(one.values) & np.isnan(two.values)))
-    if not unequal.any():
-        return " in its attributes, or in signs of zeros"
-    with np.errstate(invalid="ignore"):
-        largest = np.nanmax(np.abs(one.values - two.values), initial=0.0)
-    return f" in {int(unequal.sum())} of {unequal.size} values, by at most {largest:.3g}"
