@@ -10,6 +10,7 @@ import pandas as pd
 from jointclosure.assessment.assess import GIVEN_UP, NEEDED_AS_FAILS
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.compilation.code_digests import code_digest
+from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.storage.files import digest
 from studies.assessment.report_tables import (
     ALL_ROCKS,
@@ -20,11 +21,14 @@ from studies.assessment.report_tables import (
     SHOWN_COLUMNS,
     judged_effects,
     judged_setting,
+    relative_change,
+    together,
     with_failures,
 )
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import settings_of
+from studies.paper.closure_tables import estimate_columns
 
 
 class BaseCondition(NamedTuple):
@@ -80,7 +84,7 @@ def with_larger(
         The table, and the joints of each rock; ``table`` and 0 unless ``larger`` has more joints of
         every rock of the study, simulated with the same settings. Intervals of all rocks together
         are those of independent means, by the Student's t of one rock, and so rather too wide. The
-        share that remains, and errors of times, are not known.
+        share that remains is not known, nor are errors of times if ``larger`` does not have them.
     """
     keys = {rock: condition.key for rock, condition in conditions.items()}
     same = larger[larger.get("study_key", "") == larger.rock.map(keys)]
@@ -91,7 +95,7 @@ def with_larger(
     for rock, of_rock in same.groupby("rock", sort=False):
         rows += _rows(of_rock, str(rock), stated, within)
     if len(keys) > 1:
-        rows += _together(pd.DataFrame(rows), len(keys), within)
+        rows += _rows_of_all_rocks(pd.DataFrame(rows), len(keys), within)
     made = pd.DataFrame(rows)
     states = table[table.kind == EFFECTS].drop_duplicates(["rock", "variant"])
     states = states.set_index(["rock", "variant"])
@@ -110,7 +114,12 @@ def with_larger(
 
 def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[dict[str, Any]]:
     """Return the rows of a rock in the columns of `assessed_table`."""
-    times = of_rock.groupby("variant").seconds.first()
+    # tables of an earlier version have no errors of times
+    of_rock = of_rock.assign(error=of_rock.get("seconds_standard_error", math.nan))
+    times = {
+        variant: Estimate(*part[["seconds", "error"]].iloc[0])
+        for variant, part in of_rock.groupby("variant")
+    }
     rows = []
     for variant, of_variant in of_rock.groupby("variant", sort=False):
         effects = bool(lacks_effects(pd.Series([variant]))[0])
@@ -131,10 +140,10 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
                     f"{name}_percent{suffix}": found[f"{end}_percent"]
                     for end, suffix in ENDS.items()
                 }
-            seconds = math.nan if fails else times[variant]
-            row |= {"seconds": seconds, "seconds_standard_error": math.nan}
-            row |= {"time_percent": 100.0 * (seconds / times[stated] - 1.0)}
-            row |= {"time_percent_standard_error": math.nan}
+            seconds = Estimate(math.nan, math.nan) if fails else times[variant]
+            row |= estimate_columns("seconds", seconds)
+            change = relative_change(seconds, times[stated], variant == stated)
+            row |= estimate_columns("time_percent", change, 100.0)
             cycles.append({"state": "", "reason": ""} | row)
         rows += _judged(cycles, within)
     return rows
@@ -148,7 +157,7 @@ def _judged(rows: list[dict[str, Any]], within: float) -> list[dict[str, Any]]:
     return [row | {"verdict": judged_setting(row, within), "needed_by": ""} for row in rows]
 
 
-def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, Any]]:
+def _rows_of_all_rocks(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, Any]]:
     """Return the rows of all rocks together, of the variants that all of them have."""
     rows = []
     for _, of_variant in table.groupby("variant", sort=False):
@@ -158,7 +167,9 @@ def _together(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, 
                 continue
             row = part.iloc[0].to_dict() | {"rock": ALL_ROCKS}
             row |= {name: part[name].sum() for name in ("joints", "failed", "given_up")}
-            row |= {name: part[name].mean() for name in ("seconds", "time_percent")}
+            for name in ("seconds", "time_percent"):
+                columns = part[[name, f"{name}_standard_error"]].to_numpy()
+                row |= estimate_columns(name, together([Estimate(*one) for one in columns]))
             for name in (f"{name}_percent" for name in SHOWN_COLUMNS.values()):
                 value = part[name].mean()
                 half = np.linalg.norm(part[f"{name}_high"] - part[name]) / rocks

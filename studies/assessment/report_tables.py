@@ -185,8 +185,8 @@ def _rows(
     ]
     if not pairs:
         return
-    seconds = _together([_mean(own.seconds) for own, *_ in pairs])
-    times = _together([_change(own.seconds, base.seconds) for own, _, base in pairs])
+    seconds = together([_mean(own.seconds) for own, *_ in pairs])
+    times = together([_change(own.seconds, base.seconds) for own, _, base in pairs])
     joints = sum(len(own.closures) for own, *_ in pairs)
     given_up = sum(own.given_up for own, *_ in pairs)
     rows = []
@@ -307,16 +307,19 @@ def _mean(samples: np.ndarray) -> Estimate:
 
 def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
     """Return the relative change of the mean of ``over`` (n,) from that of ``under`` (m,)."""
-    if over is under:
+    return relative_change(_mean(over), _mean(under), over is under)
+
+
+def relative_change(over: Estimate, under: Estimate, is_same: bool) -> Estimate:
+    """Return the relative change of independent estimates; 0 if both are the same one."""
+    if is_same:
         return Estimate(0.0, 0.0)
-    one = _mean(over)
-    two = _mean(under)
-    ratio = one.value / two.value
-    errors = (estimate.standard_error / estimate.value for estimate in (one, two))
+    ratio = over.value / under.value
+    errors = (estimate.standard_error / estimate.value for estimate in (over, under))
     return Estimate(ratio - 1.0, ratio * math.hypot(*errors))
 
 
-def _together(estimates: Sequence[Estimate]) -> Estimate:
+def together(estimates: Sequence[Estimate]) -> Estimate:
     """Return the mean of independent estimates with its standard error."""
     values, errors = np.array(estimates).T
     return Estimate(float(values.mean()), float(np.linalg.norm(errors)) / len(estimates))

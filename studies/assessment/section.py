@@ -43,8 +43,6 @@ class AssessmentSection(StudySection):
                     f"assessment.stress_MPa = {1e-6 * stress:g}: must be more than "
                     f"seating_stress_MPa ({1e-6 * configuration.seating_stress:g})"
                 )
-            for name, rock in configuration.rocks.items():
-                of_rock = f"the strength of rocks.{name}"
-                yield from stress_problems(
-                    "assessment.stress_MPa", stress, rock, configuration, of_rock
-                )
+            rocks = configuration.rocks.items()
+            cases = [("the strength of", f"rocks.{name}", rock) for name, rock in rocks]
+            yield from stress_problems("assessment.stress_MPa", stress, cases, configuration)

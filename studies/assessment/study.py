@@ -310,8 +310,8 @@ def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd
 
     ``needed_by`` names the results that make an effect needed, and ``joints`` is the number of
     pairs of walls. Of these ``failed`` have no result, and are not in the differences; among them
-    ``given_up`` took too many breakage steps. ``study_key`` is that of the settings of a base case
-    (`base_conditions`).
+    ``given_up`` took too many breakage steps. ``seconds_standard_error`` is that of the mean time
+    of a joint. ``study_key`` is that of the settings of a base case (`base_conditions`).
     """
     differences = []
     for at, found in _assessed(joints, settings):
@@ -321,6 +321,9 @@ def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd
         by = {name: found.needed_by(name) for name in found.effects.index}
         columns = {"verdict": verdicts, "needed_by": by}
         named = {name: table.variant.map(of).fillna("") for name, of in columns.items()}
+        times = found.closures[found.closures.copy_of_walls == "as it is"]
+        times = times.drop_duplicates(["variant", "joint"]).groupby("variant").seconds.sem()
+        named["seconds_standard_error"] = table.variant.map(times)
         base = settings["base_conditions"][at["rock"]]
         named["joints"] = found.closures.joint.nunique()
         lost = {"failed": found.closures.status >= FAILURE}
@@ -339,6 +342,14 @@ def tabulate_hardness(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.D
     return worst_first(_first(parts, *_CONDITION))
 
 
+HARDNESS_OF = (
+    "Hardness of a joint: the scatter is that of its copies with {stated}; the force on contacts "
+    "that cannot break is the largest of these copies; the largest jump is that of the joint as it "
+    "is with {finest}. With another setting or on another copy the same joint has other values."
+)
+"""Settings and copies of walls from which the features of `Assessment.hardness` are taken."""
+
+
 def describe_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> str:
     """Describe the assessment of each condition as Markdown."""
     lines = ["# Assessment", ""]
@@ -349,6 +360,7 @@ def describe_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> st
             cells = [rows.columns, ["---"] * rows.shape[1], *rows.to_numpy()]
             lines += [f"| {' | '.join(map(str, row))} |" for row in cells] + [""]
         lines += [*(f"- {line}" for line in found.sentences), ""]
+        lines += [HARDNESS_OF.format(stated=found.stated, finest=found.ladder[-1]), ""]
     return "\n".join(lines)
 
 

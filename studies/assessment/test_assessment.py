@@ -53,6 +53,20 @@ def test_the_table_has_the_number_of_joints(table):
     assert set(table.joints) == {2}
 
 
+def test_the_table_has_the_standard_errors_of_times(table, joints):
+    """Of joints as they are, whose mean time is in the table."""
+    for row in table.drop_duplicates(["stress_MPa", "variant"]).itertuples():
+        rows = joints[(joints.variant == row.variant) & (joints.copy_of_walls == "as it is")]
+        of_joints = rows[np.isclose(1e-6 * rows.stress, row.stress_MPa) & (rows.cycle == 1)].seconds
+        assert row.seconds == pytest.approx(of_joints.mean())
+        assert row.seconds_standard_error == pytest.approx(of_joints.std() / np.sqrt(2))
+
+
+def test_the_description_names_the_settings_of_the_hardness(tables):
+    assert "copies with the paper's steps; the force" in tables["assessment.md"]
+    assert "as it is with tolerance 0.004" in tables["assessment.md"]
+
+
 def test_only_conditions_of_base_cases_have_their_key(table):
     keys = table.groupby("stress_MPa").study_key.unique()
     assert (list(keys[1.0]), list(keys[5.0])) == (["key"], [""])

@@ -75,6 +75,28 @@ def test_more_joints_of_the_same_study_take_the_place_of_few(replaced):
     assert row_of(table, "slate", "tolerance 0.02").verdict == "reference"
 
 
+def test_errors_of_times_are_those_of_more_joints(small, conditions):
+    larger = larger_table(conditions)
+    larger["seconds_standard_error"] = 0.1 * larger.seconds
+    table, _ = with_larger(small, larger, conditions, PLAN.stated, 0.05)
+    stated = row_of(table, "slate", "the paper's steps")
+    assert (stated.seconds, stated.seconds_standard_error) == (2.0, pytest.approx(0.2))
+    assert (stated.time_percent, stated.time_percent_standard_error) == (0.0, 0.0)
+    other = row_of(table, "slate", "without gouge")
+    assert other.time_percent == -50.0
+    assert other.time_percent_standard_error == pytest.approx(50.0 * 0.1 * np.sqrt(2.0))
+    together = row_of(table, ALL_ROCKS, "without gouge")
+    assert together.seconds_standard_error == pytest.approx(0.1 / np.sqrt(2.0))
+    fails = row_of(table, "slate", "without breakage")
+    assert np.isnan([fails.seconds_standard_error, fails.time_percent_standard_error]).all()
+
+
+def test_a_table_of_an_earlier_version_has_no_errors_of_times(replaced):
+    other = row_of(replaced[0], "slate", "without gouge")
+    assert (other.seconds, other.time_percent) == (1.0, -50.0)
+    assert np.isnan([other.seconds_standard_error, other.time_percent_standard_error]).all()
+
+
 def test_all_rocks_together_have_the_interval_of_a_mean_of_independent_rocks(replaced):
     row = row_of(replaced[0], ALL_ROCKS, "the paper's steps")
     assert (row.joints, row.change_percent) == (16, 2.0)

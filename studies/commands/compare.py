@@ -1,9 +1,12 @@
-"""Mean closures, indifference intervals and verdicts of two studies. Surfaces with the same seeds
-are compared in pairs.
+"""Mean closures, elasticities, indifference intervals and verdicts of two studies. Surfaces with
+the same seeds are compared in pairs.
 """
 
 import argparse
 import itertools
+import json
+import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +14,18 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.parameters import PROPERTIES
-from jointclosure.storage.files import read_csv
+from jointclosure.statistics.number_texts import rounded
+from jointclosure.statistics.quadratics import elasticity_by_form, elasticity_contributions
+from jointclosure.statistics.standard_errors import Estimate
+from jointclosure.storage.files import read_csv, read_text
 from jointclosure.storage.netcdf import read_netcdf
 from studies.commands import existing, study_of
+from studies.commands.differences import differences
+from studies.frame.cases import ensembles_of
+from studies.frame.configuration import resolved
 from studies.frame.tables import succeeded
+from studies.paper.closure_tables import ELASTIC, elastic_responses, elasticity_of_response
+from studies.paper.responses import Response, rocks_of
 
 
 def declare(command: argparse.ArgumentParser) -> None:
@@ -36,6 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
     print(surfaces_sentence(changes))
     print("\nMean closures, over the cases of each rock")
     print(by_rock(changes).round(4).to_string(index=False))
+    elasticities = elasticity_changes(*(_pool_of(folder) for folder in folders))
+    if len(elasticities):
+        print(f"\n{ABOUT_ELASTICITIES}")
+        print(elasticities[SHOWN_OF_ELASTICITIES].to_string(index=False))
     tables = (read_csv(existing(folder / "tables/table_3_indifference.csv")) for folder in folders)
     one, two = (table[[*INTERVAL, "length", "length_low", "length_high"]] for table in tables)
     intervals = one.merge(two, on=INTERVAL, suffixes=("_first", "_second"))
@@ -55,8 +70,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
 INTERVAL = ["rock", "parameter", "cycle"]
-MAY_DIFFER = ("provenance_", "timing_")
-"""Prefixes of names whose values may differ between two runs of one study."""
 
 
 def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
@@ -111,6 +124,112 @@ def _standard_error(values: np.ndarray) -> float:
     return float(values.std(ddof=1) / np.sqrt(values.size)) if values.size > 1 else np.nan
 
 
+ABOUT_ELASTICITIES = (
+    "Elasticities at the value of each rock, and their differences, ± standard error. Where both "
+    "studies have the same surfaces, the error is that of differences on these, of the joints that "
+    "succeeded in both; elsewhere it takes both studies as independent. It contains the form of "
+    "the fitted curve (docs/model.md), but not the error of the numerics."
+)
+ELASTIC_TITLES = {
+    "": "gross closure",
+    "_net": "closure net of bulk",
+    "_seated_net": "net closure since seating",
+    "_stiffness": "net chord stiffness",
+}
+"""Titles of the results whose elasticities are compared, by the suffixes of their columns."""
+SHOWN_OF_ELASTICITIES = [*INTERVAL, "of", "first", "second", "difference", "same_surfaces"]
+
+
+def elasticity_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
+    """Tabulate the elasticities of two studies, or of their pools, and the differences.
+
+    A row for each rock, property, cycle and result (``of``) of `ELASTIC` that both have. Columns
+    ``first``, ``second`` and ``difference`` are texts with standard errors; ``difference_value``
+    and ``difference_standard_error`` are numbers. With ``same_surfaces`` joints that failed in one
+    study are left out of both.
+    """
+    rows = []
+    for rock in [name for name in rocks_of(first) if name in rocks_of(second)]:
+        one, two = (part.isel(case=(part.rock == rock).values) for part in (first, second))
+        same = one.seed.shape == two.seed.shape and bool((one.seed.values == two.seed.values).all())
+        same = same and np.array_equal(one.case.values, two.case.values)
+        if same:
+            one, two = _of_both(one, two)
+        of_second = dict(_responses_of(two))
+        for about, response in _responses_of(one):
+            if about not in of_second:
+                continue
+            other = of_second[about]
+            *names, suffix = about
+            paired = same and np.array_equal(response.levels, other.levels)
+            estimates = [elasticity_of_response(x, suffix) for x in (response, other)]
+            change = _difference_of_elasticities(response, other, estimates, paired)
+            row: dict[str, object] = dict(zip(INTERVAL, names, strict=True))
+            row["of"] = ELASTIC_TITLES[suffix]
+            shown = zip(("first", "second", "difference"), (*estimates, change), strict=True)
+            row |= {name: rounded(*estimate) for name, estimate in shown}
+            row |= {"difference_value": change.value, "same_surfaces": paired}
+            rows.append(row | {"difference_standard_error": change.standard_error})
+    return pd.DataFrame(rows)
+
+
+def _of_both(one: xr.Dataset, two: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]:
+    """Return two datasets of the same joints without the results that only one of them has."""
+    status = np.maximum(one.status.values, two.status.values)
+    known = {
+        name: np.isfinite(one[name].values) & np.isfinite(two[name].values)
+        for name in ELASTIC.values()
+        if name in one and name in two
+    }
+    parts = []
+    for part in (one, two):
+        both = {
+            name: part[name].where(part[name].copy(data=where)) for name, where in known.items()
+        }
+        parts.append(part.assign(both | {"status": part.status.copy(data=status)}))
+    return parts[0], parts[1]
+
+
+def _responses_of(study: xr.Dataset) -> Iterator[tuple[tuple[str, str, int, str], Response]]:
+    """Generate the responses of `elastic_responses` after rock, property, cycle and suffix."""
+    for of_each in elastic_responses(study):
+        for suffix, one in of_each.items():
+            yield (one.rock, one.parameter, one.cycle, suffix), one
+
+
+def _difference_of_elasticities(
+    one: Response, two: Response, estimates: list[Estimate], paired: bool
+) -> Estimate:
+    """Return the difference of the elasticities of two responses with its standard error.
+
+    If they are ``paired``, they have the same surfaces. What both have in common then cancels, in
+    the scatter of the sample and in the difference between the forms of the fitted curve.
+    """
+    apart = estimates[1].value - estimates[0].value
+    if not paired or not np.isfinite(apart) or (one.levels <= 0.0).any():
+        errors = [estimate.standard_error for estimate in estimates]
+        return Estimate(apart, math.hypot(*errors))
+    of_one, of_two = (
+        elasticity_contributions(part.levels, part.samples, part.base) for part in (one, two)
+    )
+    rows = of_two - of_one  # (level, joint)
+    if one.paired:
+        rows = rows.sum(axis=0, keepdims=True)
+    of_sample = np.sqrt(rows.var(axis=1, ddof=1).sum() / rows.shape[1])
+    (log_one, plain_one), (log_two, plain_two) = (
+        elasticity_by_form(part.levels, part.means, part.base) for part in (one, two)
+    )
+    form = (log_two - plain_two) - (log_one - plain_one)
+    return Estimate(apart, float(np.hypot(of_sample, form)))
+
+
+def _pool_of(folder: Path) -> xr.Dataset:
+    """Read the dataset by which elasticities of a study are known: its pool, or itself."""
+    stated = json.loads(read_text(existing(folder / "tables/configuration.json")))
+    has_pool = "pool" in ensembles_of(resolved(stated))
+    return read_netcdf(existing(folder / "pool.nc") if has_pool else study_of(folder))
+
+
 def surfaces_sentence(changes: pd.DataFrame) -> str:
     """State in words whether `closure_changes` compares the same surfaces or different ones."""
     if changes.same_surfaces.all():
@@ -135,37 +254,3 @@ def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
         change_most_percent=("change_percent", "max"),
         largest_standard_error=("standard_error_percent", "max"),
     ).reset_index()
-
-
-def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """List all differences between two datasets except in provenance and timing, one line each."""
-    messages = []
-    for kind, one, two in (
-        ("attribute", first.attrs, second.attrs),
-        ("variable", first.variables, second.variables),
-    ):
-        names = {str(name) for name in [*one, *two]}
-        for name in sorted(name for name in names if not name.startswith(MAY_DIFFER)):
-            if name not in one or name not in two:
-                where = "first" if name in one else "second"
-                messages.append(f"{kind} {name}: only in the {where}")
-            elif kind == "attribute" and not np.array_equal(one[name], two[name]):
-                messages.append(f"attribute {name} differs")
-            elif kind == "variable" and (where := _difference(one[name], two[name])):
-                messages.append(f"variable {name} differs{where}")
-    return messages
-
-
-def _difference(one: xr.Variable, two: xr.Variable) -> str:
-    """Describe how two variables differ; "" if they have the same bits and attributes."""
-    numbers = one.dtype.kind in "iuf"
-    if one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes()):
-        return ""
-    if one.shape != two.shape or not numbers:
-        return f": {one.dtype} {dict(one.sizes)} and {two.dtype} {dict(two.sizes)}"
-    unequal = ~((one.values == two.values) | (np.isnan(one.values) & np.isnan(two.values)))
-    if not unequal.any():
-        return " in its attributes, or in signs of zeros"
-    with np.errstate(invalid="ignore"):
-        largest = np.nanmax(np.abs(one.values - two.values), initial=0.0)
-    return f" in {int(unequal.sum())} of {unequal.size} values, by at most {largest:.3g}"

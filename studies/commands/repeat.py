@@ -16,7 +16,7 @@ from jointclosure.storage.files import read_text
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.walls import Walls
 from studies.commands import existing
-from studies.commands.compare import differences
+from studies.commands.differences import differences
 from studies.frame.cases import cases_of, ensembles_of
 from studies.frame.configuration import Configuration, resolved
 from studies.frame.experiments import case_point

@@ -283,49 +283,62 @@ def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterato
 
 
 def _beyond_strength(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:
-    """Generate a line for each value of a rock with which no walls carry its maximum stress."""
-    key = f"{where}.max_normal_stress_MPa"
-    cases = {"": rock.intact}
-    for name in rock.levels.keys() & parameters.OF_ROCK.keys():
+    """Generate a line if no walls carry the maximum stress of a rock, as it is or at a level."""
+    cases = [("", "", rock)]
+    for name in (name for name in parameters.OF_ROCK if name in rock.levels):
+        key = f"{where}.levels.{parameters.key_of(name)} ="
         for level in getattr(rock.other_levels, name):
-            value = in_unit(level, parameters.OF_ROCK[name].unit)
-            level_key = f"{where}.levels.{parameters.key_of(name)} = {value:g}"
-            cases[level_key] = rock.intact._replace(**{name: level})
-    for level_key, intact in cases.items():
-        changed = rock._replace(**intact._asdict())
-        yield from stress_problems(key, rock.max_normal_stress, changed, whole, level_key)
+            value = f"{in_unit(level, parameters.OF_ROCK[name].unit):g}"
+            changed = rock.intact._replace(**{name: level})
+            cases.append((key, value, rock._replace(**changed._asdict())))
+    key = f"{where}.max_normal_stress_MPa"
+    yield from stress_problems(key, rock.max_normal_stress, cases, whole)
 
 
 def stress_problems(
     key: str,
     stress: float,
-    rock: StudyRock,
+    cases: Iterable[tuple[str, str, StudyRock]],
     whole: Configuration,
-    changed: str = "",
     more: Iterable[parameters.Numerics] = (),
 ) -> Iterator[str]:
-    """Generate a line if no walls of a rock carry the maximum stress [Pa] of a key.
+    """Generate one line if no walls of some rocks carry the maximum stress [Pa] of a key.
 
-    ``changed`` states a key of the rock that is changed, and ``more`` are numerics with which
-    joints are simulated besides those of the study.
+    ``cases`` are rocks, each after the words on what is changed and on its value, which are empty
+    for a rock as it is. ``more`` are numerics with which joints are simulated besides those of the
+    study. The line lists all cases, with the stress that each carries; a case that carries as much
+    as the rock as it is, which is refused, is left out.
     """
     from jointclosure.joint.feasibility import largest_stress  # loads the solvers
 
     # a requested accuracy also simulates joints by the finest numerics
     settings = [whole.numerics, *more, *([FINEST] if whole.study.accuracy else [])]
-    model = (rock.intact, rock.intact), rock.effects, whole.choices
-    most = min(largest_stress(*model, numerics, whole.grid.spacing) for numerics in settings)
-    if most >= stress:
+    refused = dict[str, dict[str, str]]()
+    for changed, value, rock in cases:
+        model = (rock.intact, rock.intact), rock.effects, whole.choices
+        most = min(largest_stress(*model, numerics, whole.grid.spacing) for numerics in settings)
+        carried = f"{in_unit(most, 'MPa'):.3g} MPa"
+        if most < stress and carried != refused.get("", {}).get(""):
+            refused.setdefault(changed, {})[value] = carried
+    if not refused:
         return
     bound = "choices.strength_bound: base"
     radius = whole.choices.largest_radius
     if radius is not None and whole.choices.strength_bound != "base":
         bound = f"choices.largest_radius_mm = {in_unit(radius, 'mm'):g}"
-    yield (
-        f"{key} = {in_unit(stress, 'MPa'):g}: must be less than {in_unit(most, 'MPa'):.3g} MPa, "
-        f"which all cells of the walls carry together with {bound}"
-        + (f" and {changed}" if changed else "")
+    carries = f"all cells of the walls carry together with {bound}"
+    stated = f"{key} = {in_unit(stress, 'MPa'):g}: must be less than"
+    if sum(map(len, refused.values())) == 1:
+        ((changed, of_value),) = refused.items()
+        ((value, carried),) = of_value.items()
+        yield f"{stated} {carried}, which {carries}" + (f" and {changed} {value}" * bool(changed))
+        return
+    of_rock = refused.pop("", {}).get("")
+    listed = "; ".join(
+        f"with {changed} " + ", ".join(f"{value}: {most}" for value, most in of_value.items())
+        for changed, of_value in refused.items()
     )
+    yield f"{stated} {f'{of_rock}, which' if of_rock else 'the stress that'} {carries} ({listed})"
 
 
 def _unusual(stated: dict, where: str = "") -> Iterator[str]:

@@ -175,6 +175,30 @@ def test_an_error_names_its_key_with_what_is_allowed(change, printed):
         study_of(change)
 
 
+BOUNDED = {"choices": {"strength_bound": "base"}, "numerics": {"breakage": "resolved"}}
+
+
+def test_one_line_lists_all_levels_that_do_not_carry_the_stress():
+    levels = {"compressive_strength_MPa": [20, 25, 200]}
+    with pytest.raises(ConfigurationError) as refused:
+        study_of(BOUNDED, {"rocks": {"slate": {"levels": levels}}})
+    (line,) = str(refused.value).splitlines()[1:]
+    assert line.endswith(
+        "base (with rocks.slate.levels.compressive_strength_MPa = 20: 17 MPa, 25: 21.2 MPa)"
+    )
+
+
+def test_levels_that_carry_as_much_as_a_rock_that_is_refused_are_not_listed():
+    """Young's modulus does not change the strength."""
+    levels = {"compressive_strength_MPa": [20, 400], "youngs_modulus_GPa": [60, 72]}
+    slate = {"max_normal_stress_MPa": 200, "levels": levels | {"poisson_ratio": None}}
+    with pytest.raises(ConfigurationError) as refused:
+        study_of(BOUNDED, {"rocks": {"slate": slate}})
+    (line,) = str(refused.value).splitlines()[1:]
+    assert "must be less than 135 MPa, which all cells" in line
+    assert line.endswith("base (with rocks.slate.levels.compressive_strength_MPa = 20: 17 MPa)")
+
+
 def test_levels_beyond_three_are_named_in_their_order():
     cases = cases_of(study_of({"rocks": {"slate": {"levels": {"jrc": [4, 5, 8, 9]}}}}))
     jrc = [case for case in cases if case.rock == "slate" and case.parameter == "jrc"]

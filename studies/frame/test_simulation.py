@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from jointclosure.ensembles.quantities import names_of_case
 from jointclosure.storage.files import DamagedFileError
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from studies.commands.compare import differences
+from studies.commands.differences import differences
 from studies.frame import datasets, simulation
 from studies.frame.cases import (
     JOB_SECONDS,

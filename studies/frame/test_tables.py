@@ -11,13 +11,10 @@ import jointclosure as jc
 from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
-from studies.commands import compare
 from studies.commands.engineering import curves_with_quantiles
 from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.tables import changes_of_cases
 from tests.joints import DOLERITE, ELASTIC, SPACING
-from tests.studied import study_of
-from tests.world import world
 
 
 @pytest.fixture(scope="module")
@@ -130,74 +127,6 @@ def test_lines_have_the_values_of_their_rows_in_order_of_the_coordinate():
     assert shifted == [[1, 11], [101, 111], [201, 211]]
     (bars,) = over_shift.containers[1][2]
     assert np.ptp(bars.get_segments()[0][:, 1]) == 2.0
-
-
-# Two studies are compared
-
-
-TINY = {
-    "study": {"rocks": ["slate"], "realizations": 3},
-    "rocks": {"slate": {"max_normal_stress_MPa": 2, "levels": {"jrc": None}}},
-    "grid": {"cells_x": 14, "cells_y": 12},
-    "output": {"stress_points": 5},
-}
-
-
-def study(factor=1.0, **changes):
-    """Return a study of one rock with made-up joints, whose closures are multiplied by a factor."""
-    made = world(study_of(TINY, {"study": {"realizations": 6} | changes}))
-    made = made.assign({name: factor * made[name] for name in compare.TARGETS})
-    return made.assign_attrs(source_digest="abc", provenance_commit=str(changes))
-
-
-def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
-    changes = compare.closure_changes(study(), study(1.1))
-    assert changes.same_surfaces.all()
-    np.testing.assert_allclose(changes.change_percent, 10.0)
-    # a constant factor: the differences scatter a tenth of what the closures do
-    assert changes.standard_error_percent.max() < 1.0
-    assert "the same surfaces" in compare.surfaces_sentence(changes)
-    for other in ({"root_seed": 2}, {"realizations": 5}):
-        others = compare.closure_changes(study(), study(1.1, **other))
-        assert not others.same_surfaces.any()
-        assert others.standard_error_percent.min() > 1.0
-        assert "The surfaces differ in 7 of 7 cases" in compare.surfaces_sentence(others)
-    assert len(compare.by_rock(changes)) == 2 * len(compare.TARGETS)
-
-
-def test_all_that_differs_is_named():
-    assert compare.differences(study(), study()) == []
-    timed = study()
-    timed["timing_simulation"] = 2.0 * timed.timing_simulation
-    timed.attrs["provenance_commit"] = "other"
-    assert compare.differences(study(), timed) == []
-    moved = study()
-    moved["max_closure"] = moved.max_closure.copy()
-    moved.max_closure[0, 1, 0] += 1e-15
-    moved.attrs["source_digest"] = "xyz"
-    found = compare.differences(study(), moved.drop_vars("residual_closure"))
-    assert found[0] == "attribute source_digest differs"
-    assert found[1].startswith("variable max_closure differs in 1 of 84 values, by at most")
-    assert found[2] == "variable residual_closure: only in the first"
-
-
-def test_compare_exact_fails_where_anything_differs(tmp_path, capsys):
-    for name, factor in (("one", 1.0), ("two", 1.1)):
-        (tmp_path / name).mkdir()
-        write_netcdf(study(factor), tmp_path / name / "study.nc")
-    command = ["compare", "--exact", str(tmp_path / "one")]
-    assert cli.main([*command, str(tmp_path / "two")]) == 1
-    assert "variable max_closure differs in 84 of 84" in capsys.readouterr().out
-    assert cli.main([*command, command[-1]]) == 0
-    assert capsys.readouterr().out == "identical except for provenance and timing\n"
-
-
-def test_failures_are_left_out_on_both_sides():
-    broken = study(1.1)
-    broken["status"][0, 2] = 16
-    changes = compare.closure_changes(study(), broken)
-    assert changes[changes.case == "slate-base"].samples.unique() == 5
-    np.testing.assert_allclose(changes.change_percent, 10.0)
 
 
 def test_what_a_case_changes_is_named_with_its_value_and_unit():

@@ -49,13 +49,14 @@ class MeasuredJointsSection(StudySection):
             yield f"study.rocks = {list(study.rocks)}: must be one rock (measured_joints)"
         if study.cycles < 2:
             yield f"study.cycles = {study.cycles}: must be at least 2 (measured_joints)"
-        for strength in self.compressive_strength:
-            tried = f"measured_joints.compressive_strength_MPa = {1e-6 * strength:g}"
-            for name, rock in configuration.rocks.items():
-                weaker = rock._replace(compressive_strength=strength)
-                key = f"rocks.{name}.max_normal_stress_MPa"
-                stress = rock.max_normal_stress
-                yield from stress_problems(key, stress, weaker, configuration, tried)
+        changed = "measured_joints.compressive_strength_MPa ="
+        for name, rock in configuration.rocks.items():
+            weaker = [
+                (changed, f"{1e-6 * strength:g}", rock._replace(compressive_strength=strength))
+                for strength in self.compressive_strength
+            ]
+            key = f"rocks.{name}.max_normal_stress_MPa"
+            yield from stress_problems(key, rock.max_normal_stress, weaker, configuration)
         largest = max(self.reseating_shift_in_cells, default=0)
         if largest > cells - 8:
             yield (

@@ -381,7 +381,7 @@ CLAIMS = (
           _NOT_SHOWN),
     Claim("5c", "Cycle-1 closure falls when JRC falls", "Section 6", RISES_WITH_JRC, (1,),
           _NOT_SHOWN),
-    Claim("5d", "Cycle-2 closure has no such trend with JRC in every rock", "Section 6",
+    Claim("5d", "In at least one rock cycle-2 closure does not fall when JRC falls", "Section 6",
           RISES_WITH_JRC, (2,), _NOT_SHOWN, negated=True),
     Claim("6a", "Unloading shows hysteresis on both cycles", "Abstract, Section 5",
           HYSTERESIS, (1, 2), _FIG_5, remark="by construction: an unloading that broke "

@@ -164,20 +164,68 @@ def _responses(
         yield {name: getattr(gross, name) for name in _RESPONSE}, gross, net
 
 
-def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors.
+STIFFNESS = "stiffness_net"
+"""Name of the net chord stiffness, whose mean over joints is harmonic."""
+ELASTIC = {
+    "": TARGET,
+    "_net": NET,
+    "_seated_net": "max_closure_seated_net",
+    "_stiffness": STIFFNESS,
+}
+"""Results of joints whose means have elasticities, by suffix of their columns."""
 
-    They are those of gross and net closure, and with ``covariates`` of adjusted means.
+
+def elastic_responses(
+    ensemble: xr.Dataset, covariates: Covariates | None = None
+) -> Iterator[dict[str, Response]]:
+    """Generate the responses by the suffixes of `ELASTIC`, for each rock, property and cycle.
+
+    Those of variables that the dataset does not have are left out. Samples of the stiffness are
+    compliances, as the mean of stiffnesses is harmonic (`elasticity_of_response`). Covariates are
+    those of gross closure.
+    """
+    known = {suffix: name for suffix, name in ELASTIC.items() if name in ensemble}
+    if STIFFNESS in ensemble:
+        ensemble = ensemble.assign({STIFFNESS: 1.0 / ensemble[STIFFNESS]})
+    of_each = (
+        responses(ensemble, name, covariates if name == TARGET else None) for name in known.values()
+    )
+    for found in zip(*of_each, strict=True):
+        yield {
+            suffix: one._replace(samples=one.samples[:, np.isfinite(one.samples).all(axis=0)])
+            for suffix, one in zip(known, found, strict=True)
+        }
+
+
+def elasticity_of_response(response: Response, suffix: str) -> errors.Estimate:
+    """Return the elasticity of one of `elastic_responses`, by its ``suffix``, with its error.
+
+    NaN for fewer than two joints, or for a property whose value is 0.
+    """
+    if response.samples.shape[1] < 2 or response.base == 0.0:
+        return _UNKNOWN
+    about = response.levels, response.samples, response.base, response.paired
+    found = quadratics.elasticity(*about)
+    return found._replace(value=-found.value) if ELASTIC[suffix] == STIFFNESS else found
+
+
+def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
+    """Tabulate d ln(mean)/d ln(parameter) of closures and stiffness at each rock's value.
+
+    Columns ``elasticity`` have that of the mean maximum gross closure, and with a suffix that of
+    closure net of bulk indentation (``_net``), of net closure since seating (``_seated_net``) and
+    of net chord stiffness (``_stiffness``), with standard errors. They are NaN if the dataset does
+    not have the result. With ``covariates`` there is that of adjusted means of gross closure too.
+    ``samples`` is the number of joints, ``samples_stiffness`` that of joints with a stiffness.
     """
     rows = []
-    for row, gross, net in _responses(ensemble, covariates):
+    for of_each in elastic_responses(ensemble, covariates):
+        gross = of_each[""]
+        row = {name: getattr(gross, name) for name in _RESPONSE}
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
-        estimates = dict.fromkeys(("", "_net", "_adjusted"), _UNKNOWN)
-        for suffix, response in (("", gross), ("_net", net)):
-            if response.samples.shape[1] > 1 and response.base != 0.0:
-                estimates[suffix] = quadratics.elasticity(
-                    response.levels, response.samples, response.base, response.paired
-                )
+        estimates = dict.fromkeys((*ELASTIC, "_adjusted"), _UNKNOWN)
+        for suffix, response in of_each.items():
+            estimates[suffix] = elasticity_of_response(response, suffix)
         if gross.covariates is not None and gross.base != 0.0:
             values, known, _ = gross.covariates
             means = control_variates.adjusted_means(gross.samples, values, known, gross.paired)
@@ -185,11 +233,14 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
         for suffix, estimate in estimates.items():
             row |= estimate_columns(f"elasticity{suffix}", estimate)
             row[f"elasticity{suffix}_shown"] = rounded(*estimate)
+        if "_stiffness" in of_each:
+            row["samples_stiffness"] = of_each["_stiffness"].samples.shape[1]
         rows.append(row)
     columns = [*_RESPONSE, "samples", "paired"]
-    for name in ("elasticity", "elasticity_net", "elasticity_adjusted"):
+    for suffix in ("", "_net", "_adjusted", "_seated_net", "_stiffness"):
+        name = f"elasticity{suffix}"
         columns += [name, f"{name}_standard_error", f"{name}_shown"]
-    return pd.DataFrame(rows, columns=columns)
+    return pd.DataFrame(rows, columns=[*columns, "samples_stiffness"])
 
 
 _INTERVAL = ["length", "percent", "root", "extrapolated", "status", "length_low", "length_high"]

@@ -1,5 +1,9 @@
 """Content of the page of a study: first screen, headline, settings and columns."""
 
+import functools
+import html
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,7 +16,7 @@ from studies.frame.keys import json_schema
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper.closure_tables import max_closure_table
 from studies.paper.report import content as report
-from studies.paper.report.page import sheet
+from studies.paper.report.page import render, sheet
 from studies.paper.report.tables import About, base_closures, hardest
 from studies.paper.tables_1_to_3 import (
     closure_lines,
@@ -27,8 +31,9 @@ KEYS = keys_of(
 )
 
 
-def test_the_first_screen_has_the_numbers_of_the_tables():
-    """In every case one joint failed."""
+@functools.cache
+def material():
+    """Dataset and tables of a study in every case of which one joint failed."""
     study = world(resolved(KEYS))
     study.status[:, 3] = 16
     study = study.assign(stiffness_net=1e6 / study.max_closure)
@@ -37,8 +42,12 @@ def test_the_first_screen_has_the_numbers_of_the_tables():
     checks = pd.DataFrame([PASSED, FAILED], columns=COLUMNS)
     tables = {"max_closure": max_closure_table(study), "checks": checks}
     paper = read_csv(PAPER_TABLE_3)
-    schema = json_schema(model())
-    shown = report.content(report.Material(study, tables, paper, DEFAULT, schema, {}))
+    return report.Material(study, tables, paper, DEFAULT, json_schema(model()), {})
+
+
+def test_the_first_screen_has_the_numbers_of_the_tables():
+    study, tables = material()[:2]
+    shown = report.content(material())
     row = shown["frames"]["in_short"].iloc[0]
     base = tables["max_closure"].query("parameter == 'base' and rock == 'slate'").set_index("cycle")
     assert row["Net closure since seating, cycle 2 (mm)"] == base.max_closure_seated_net_mean_mm[2]
@@ -114,11 +123,73 @@ def test_the_headline_says_no_more_than_its_verdict(of_slate, of_dolerite, error
     least, most = (report.rounded(value, error) for value in sorted((of_slate, of_dolerite)))
     about = {"property": "Young's modulus", "rocks": 2, "cycle": 2, "verdict": verdict}
     about["elasticity"] = f"{least} to {most}"
-    assert report.headlines(table) == [about]
+    difference = min(abs(of_slate), abs(of_dolerite)) - 0.6
+    nearest = {"other": "compressive strength", "of": "gross closure", "is_equal": False}
+    nearest["rock"] = "dolerite" if abs(of_dolerite) < abs(of_slate) else "slate"
+    nearest["difference"] = report.rounded(difference, np.hypot(error, error))
+    assert report.headlines(table) == [about | nearest]
     first = table.assign(cycle=1, elasticity=table.elasticity[::-1].to_numpy())
     others = report.headlines(pd.concat([first, table]))
     assert [one["cycle"] for one in others] == [1, 2]
-    assert others[1] == about
+    assert others[1] == about | nearest
+
+
+def two_rocks(**columns):
+    """Elasticities with respect to two properties in two rocks."""
+    about = {
+        "rock": ["slate", "slate", "dolerite", "dolerite"],
+        "parameter": 2 * ["youngs_modulus", "compressive_strength"],
+        "elasticity": [-1.0, 0.5, -1.0, 0.5], "elasticity_standard_error": 0.01,
+        "cycle": 1, "samples": 20,
+    }  # fmt: skip
+    return pd.DataFrame(about | columns)
+
+
+def test_equal_elasticities_are_said_to_be_equal():
+    """Their standard error may be large: no number of joints would show a difference."""
+    table = two_rocks(elasticity=[-1.0, 1.0, -1.0, 0.2], elasticity_standard_error=0.3)
+    (headline,) = report.headlines(table)
+    assert headline["is_equal"]
+    assert (headline["rock"], headline["verdict"]) == ("slate", "undecided")
+    assert "have the same size" in shown([headline])
+
+
+def test_properties_that_not_all_rocks_vary_are_not_compared():
+    parameters = ["youngs_modulus", "jrc", "compressive_strength", "jrc"]
+    table = two_rocks(parameter=parameters, elasticity=[-1.0, 0.5, 1.0, 0.5])
+    (headline,) = report.headlines(table)
+    assert headline["verdict"] == report.NOT_VARIED
+    assert "because not all rocks vary" in shown([headline])
+
+
+def test_the_headline_is_of_net_closure_since_seating_where_this_is_known():
+    seated = {report.SEATED: [-0.5, 0.9, -0.5, 0.9], f"{report.SEATED}_standard_error": 0.01}
+    (headline,) = report.headlines(two_rocks(**seated))
+    assert headline["of"] == "net closure since seating"
+    assert (headline["property"], headline["verdict"]) == ("compressive strength", "stands")
+
+
+@pytest.mark.parametrize(
+    ("elasticity", "error", "words"),
+    [
+        ([-1.0, 0.5, -1.0, 0.5], 0.01, "depends most on Young's modulus in both rocks"),
+        ([-1.0, 0.5, -0.5, 1.0], 0.01, "is not the same in all rocks"),
+        ([-1.0, 0.95, -1.0, 0.95], 0.001, "a difference below 0.1 counts as none"),
+        ([-1.0, 0.95, -1.0, 0.9], 0.1, "differ by 0.05 ± 0.14 in Slate"),
+    ],
+)
+def test_the_headline_says_what_the_elasticities_show(elasticity, error, words):
+    table = two_rocks(elasticity=elasticity, elasticity_standard_error=error)
+    text = shown(report.headlines(table))
+    assert words in text
+    assert "so few joints" not in text
+
+
+def shown(headlines):
+    """The headlines in words, without tags."""
+    page = render(report.content(material()) | {"headlines": headlines})
+    part = page[page.index("in-short-head") : page.index('class="note"')]
+    return " ".join(re.sub("<[^>]*>", "", html.unescape(part)).split())
 
 
 def test_a_page_has_columns_of_adjusted_numbers_only_where_something_is_adjusted():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.number_texts import percent
+from jointclosure.statistics.number_texts import ABSENT, percent
 from jointclosure.statistics.repetitions import Design
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
@@ -119,6 +119,35 @@ def test_elasticities_are_the_worlds_within_their_errors(pool):
     assert (np.abs(table.elasticity - truth) < 3.5 * error).all()
     np.testing.assert_allclose(table.elasticity_net, table.elasticity, rtol=1e-9)
     assert " ± " in table.elasticity_shown[0]
+
+
+def test_the_elasticity_of_the_stiffness_is_that_of_its_harmonic_mean(pool):
+    stiff = pool.assign(stiffness_net=1e6 / pool.max_closure)
+    table = closure_tables.elasticity_table(stiff)
+    np.testing.assert_allclose(table.elasticity_stiffness, -table.elasticity, rtol=1e-9)
+    error = "_standard_error"
+    np.testing.assert_allclose(table[f"elasticity_stiffness{error}"], table[f"elasticity{error}"])
+
+
+def test_net_closure_since_seating_has_its_own_elasticity(pool):
+    since = pool.max_closure_seated_net * (pool.youngs_modulus / 78e9) ** 0.5
+    shifted = closure_tables.elasticity_table(pool.assign(max_closure_seated_net=since))
+    rows = shifted[shifted.parameter == "youngs_modulus"]
+    np.testing.assert_allclose(rows.elasticity_seated_net, rows.elasticity + 0.5, atol=0.01)
+
+
+def test_a_joint_without_stiffness_is_left_out_of_its_elasticity_alone(pool):
+    stiffness = (1e6 / pool.max_closure).where(pool.realization != 3)
+    table = closure_tables.elasticity_table(pool.assign(stiffness_net=stiffness))
+    assert set(table.samples_stiffness) == {39}
+    assert set(table.samples) == {40}
+    assert np.isfinite(table.elasticity_stiffness_standard_error).all()
+
+
+def test_a_dataset_without_stiffness_has_no_elasticity_of_it(pool):
+    table = closure_tables.elasticity_table(pool)
+    assert table.elasticity_stiffness.isna().all()
+    assert set(table.elasticity_stiffness_shown) == {ABSENT}
 
 
 def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(pool):

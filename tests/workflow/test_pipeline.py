@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from jointclosure.storage.netcdf import read_netcdf
-from studies.commands.compare import differences
+from studies.commands.differences import differences
 from tests.workflow.runs import (
     ROOT,
     add_code,

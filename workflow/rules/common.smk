@@ -31,7 +31,8 @@ from studies.frame.cases import (
 )
 from studies.frame.configuration import configured
 from studies.frame.datasets import joints_key
-from studies.frame.pilots import examined, tried
+from studies.frame.near_strength import notes_near_strength, tried_by_strength
+from studies.frame.pilots import examined
 from studies.frame.experiments import case_point, experiment_named
 from studies.frame.rocks import check_files, wall_files
 from studies.frame.settings import BASE, joints_of, surface_settings
@@ -454,8 +455,12 @@ def scans_estimated(name):
 
 
 def notes_on_estimate():
-    """Return notes on what the estimate of the time of the study does not contain."""
-    notes = []
+    """Return notes on joints that take long, and on what the estimate does not contain."""
+    if EXPERIMENTS:
+        return notes_near_strength(
+            point for name in EXPERIMENTS for point in points_estimated(name)
+        )
+    notes = notes_near_strength(points_estimated("study"))
     if STUDY.study.accuracy:
         notes += ["study.accuracy adds joints until it is reached"]
     if CHOSEN:

@@ -111,7 +111,7 @@ rule estimate_experiment:
     conda:
         ENVIRONMENT
     params:
-        groups=lambda w: tried(points_estimated(w.experiment)),
+        groups=lambda w: tried_by_strength(points_estimated(w.experiment)),
         scanned=lambda w: {
             rock: settings
             for rock, (_, settings) in scans_estimated(w.experiment).items()
@@ -135,7 +135,7 @@ rule estimate:
     conda:
         ENVIRONMENT
     params:
-        notes=[] if EXPERIMENTS else notes_on_estimate(),
+        notes=lambda w: notes_on_estimate(),
         code=code("show_estimates.py"),
     message:
         "Tables of the expected time are in {RESULTS}/tables"

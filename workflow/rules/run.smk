@@ -20,6 +20,12 @@ from studies.paper.tables_1_to_3 import closure_lines
 HELD = []  # the locked file of a run, open until this process ends
 INTERRUPTED = []  # times of the interrupts
 JOB_SECONDS = 2.0  # roughly, of a job apart from the joints that it simulates
+# Files that a user reads after a target was made
+READ_NEXT = {
+    "report": "report.html",
+    "assessment": "tables/assessment.md",
+    "conclusions": "tables/conclusions.csv",
+}
 
 
 class RunMessages(logging.Handler):
@@ -153,7 +159,13 @@ onsuccess:
         closures = read_csv(f"{RESULTS}/tables/max_closure.csv")
         print("\n".join(closure_lines(closures)), file=sys.stderr)
     if "hard_cases" not in rules_of_run:
-        print(f"Results are in {RESULTS}/", file=sys.stderr)
+        read = [
+            f"{RESULTS}/{file}"
+            for rule, file in READ_NEXT.items()
+            if rule in rules_of_run
+        ]
+        next_file = f"; read {' and '.join(read)}" if read else ""
+        print(f"Results are in {RESULTS}/{next_file}", file=sys.stderr)
 
 
 onerror:

@@ -149,6 +149,37 @@ def elasticity(levels: np.ndarray, samples: np.ndarray, base: float, paired: boo
     return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
 
 
+def elasticity_by_form(levels: np.ndarray, means: np.ndarray, base: float) -> tuple[float, float]:
+    """Return d ln(mean)/d ln(parameter) at the base from means (k,) at levels (k,), by two forms.
+
+    The first is the slope of the quadratic through the logarithms, the second that of Eq. (24), a
+    quadratic in the parameter. Both are that of Eq. (24) if a level is not positive.
+    """
+    levels = np.asarray(levels, dtype=float)
+    in_parameter = float(fit_quadratic(levels, means, base).elasticity())
+    if (levels <= 0.0).any():
+        return in_parameter, in_parameter
+    return float(_slope_of_logs(levels, np.log(means), base)), in_parameter
+
+
+def elasticity_contributions(levels: np.ndarray, samples: np.ndarray, base: float) -> np.ndarray:
+    """Return the contributions (k, n) of samples (k, n) at levels (k,) to an elasticity.
+
+    The elasticity is that of logarithms. To first order its error is that of the sum, over the
+    levels, of the means of these contributions.
+    """
+    samples = np.asarray(samples, dtype=float)
+    weights = _slope_of_logs(np.asarray(levels, dtype=float), np.eye(len(levels)), base)
+    return weights[:, None] * samples / samples.mean(axis=1, keepdims=True)
+
+
+def _slope_of_logs(levels: np.ndarray, values: np.ndarray, base: float) -> Any:
+    """Return the slope at the base of the quadratic of values (..., k) in ln(levels)."""
+    logs = np.log(levels)
+    fit = fit_quadratic(logs, values, logs[levels == base].item())
+    return fit.c / fit.half_range
+
+
 def elasticity_of(
     levels: np.ndarray, means: np.ndarray, covariance: np.ndarray, base: float
 ) -> Estimate:
@@ -165,18 +196,15 @@ def elasticity_of(
     means = np.asarray(means, dtype=float)
     if not (means > 0.0).all():
         return Estimate(math.nan, math.nan)
-    fit = fit_quadratic(levels, means, base)
-    in_parameter = float(fit.elasticity())
+    value, in_parameter = elasticity_by_form(levels, means, base)
     if (levels <= 0.0).any():
+        fit = fit_quadratic(levels, means, base)
         reduced = quadratic_errors(levels, covariance, base).covariance
         gradient = np.array([0.0, base / (fit.half_range * fit.d), -in_parameter / fit.d])
         variance = float(gradient @ reduced @ gradient)
         return Estimate(in_parameter, math.sqrt(max(variance, 0.0)))  # rounding may be below 0
     logs = np.log(levels)
-    middle = logs[levels == base].item()
-    of_logs = fit_quadratic(logs, np.log(means), middle)
     relative = np.asarray(covariance) / np.outer(means, means)
-    variance = quadratic_errors(logs, relative, middle).covariance[1, 1]
-    value = float(of_logs.c / of_logs.half_range)
-    of_sample = math.sqrt(max(variance, 0.0)) / of_logs.half_range
+    errors = quadratic_errors(logs, relative, logs[levels == base].item())
+    of_sample = math.sqrt(max(errors.covariance[1, 1], 0.0)) / (0.5 * (logs[-1] - logs[0]))
     return Estimate(value, math.hypot(of_sample, value - in_parameter))

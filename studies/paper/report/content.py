@@ -1,7 +1,7 @@
 """Content of a study's page: values for its template, from the dataset and the tables."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -340,33 +340,72 @@ def ranges_over_rocks(numbers: pd.DataFrame, configuration: Configuration) -> di
 def headlines(elasticities: pd.DataFrame | None) -> list[dict[str, Any]]:
     """Return the property with the largest effect on the closure of the first and the last cycle.
 
-    It is the property with the largest elasticity in most rocks, with a verdict on this. A cycle in
-    which elasticities of two properties are not known in every rock is left out.
+    The closure is the net one since seating, or the gross one where a table does not have its
+    elasticities. The property is that with the largest elasticity in most rocks, with a verdict on
+    this. A cycle in which elasticities of two properties are not known in every rock is left out.
     """
     if elasticities is None or not len(elasticities):
         return []
+    of = "gross closure"
+    if SEATED in elasticities and elasticities[SEATED].notna().any():
+        of = "net closure since seating"
+        error = elasticities[f"{SEATED}_standard_error"]
+        columns = {"elasticity": elasticities[SEATED], "elasticity_standard_error": error}
+        elasticities = elasticities.assign(**columns)
     known = elasticities.dropna(subset="elasticity")
     ends = sorted({known.cycle.min(), known.cycle.max()}) if len(known) else []
     found = (_headline(known[known.cycle == cycle]) for cycle in ends)
-    return [about for about in found if about]
+    return [about | {"of": of} for about in found if about]
+
+
+SEATED = "elasticity_seated_net"
+"""Column of the elasticities of the net closure since seating."""
+NOT_VARIED = "not varied"
+"""Verdict on a property that is not varied in every rock."""
 
 
 def _headline(of_cycle: pd.DataFrame) -> dict[str, Any]:
     """Return the most sensitive property of one cycle, of `headlines`; empty if it is not known.
 
     ``elasticity`` is its elasticity with a standard error, or the range of that of several rocks.
+    ``other``, ``rock`` and ``difference`` are of the least difference of sizes of elasticities.
     """
     sizes = of_cycle.assign(size=of_cycle.elasticity.abs()).groupby("rock", sort=False)
     if not len(sizes) or sizes.size().min() < 2:
         return {}
     first = str(of_cycle.loc[sizes["size"].idxmax()].parameter.value_counts().index[0])
-    title = PROPERTIES[first].title
-    if not title.startswith(("Young", "Poisson", "JRC")):  # names keep their capitals
-        title = title[0].lower() + title[1:]
-    about = {"property": title, "rocks": len(sizes), "cycle": of_cycle.cycle.iloc[0]}
+    about = {"property": _in_sentence(first), "rocks": len(sizes)}
+    about["cycle"] = of_cycle.cycle.iloc[0]
     sizes = of_cycle.loc[of_cycle.parameter == first, ["elasticity", "elasticity_standard_error"]]
     about["elasticity"] = _range_with_errors(sizes)
-    return about | {"verdict": most_sensitive(of_cycle, first)}
+    about["verdict"] = most_sensitive(of_cycle, first)
+    if about["verdict"] == UNDECIDED and of_cycle.rock.nunique() > len(sizes):
+        return about | {"verdict": NOT_VARIED}
+    rock, other, difference = min(_differences(of_cycle, first), key=lambda row: row[2].value)
+    about |= {"other": _in_sentence(other), "rock": rock, "difference": rounded(*difference)}
+    return about | {"is_equal": difference.value == 0.0}
+
+
+def _in_sentence(parameter: str) -> str:
+    """Return the title of a property within a sentence; names keep their capitals."""
+    title = PROPERTIES[parameter].title
+    keeps = title.startswith(("Young", "Poisson", "JRC"))
+    return title if keeps else title[0].lower() + title[1:]
+
+
+def _differences(elasticities: pd.DataFrame, parameter: str) -> Iterator[tuple[str, str, Estimate]]:
+    """Generate rock, other property, and how much larger the property's elasticity is in size.
+
+    Rocks in which the property is not varied are left out. Errors are taken as independent.
+    """
+    for rock, of_rock in elasticities.groupby("rock", sort=False):
+        of_rock = of_rock.set_index("parameter")
+        if parameter in of_rock.index:
+            first = of_rock.loc[parameter]
+            for other in of_rock.drop(parameter).itertuples():
+                error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)
+                difference = abs(first.elasticity) - abs(other.elasticity)
+                yield str(rock), str(other.Index), Estimate(float(difference), float(error))
 
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
@@ -374,20 +413,16 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
 
     Intervals are simultaneous, and errors of elasticities are taken as independent.
     """
-    lows = []
-    highs = []
+    rows = elasticities[elasticities.parameter == parameter]
+    if rows.rock.nunique() < elasticities.rock.nunique():
+        return UNDECIDED
+    samples = rows.set_index("rock").samples
     confidence = 1.0 - 0.05 / (len(elasticities) - elasticities.rock.nunique())
-    for _, of_rock in elasticities.groupby("rock"):
-        of_rock = of_rock.set_index("parameter")
-        if parameter not in of_rock.index:
-            return UNDECIDED
-        first = of_rock.loc[parameter]
-        for other in of_rock.drop(parameter).itertuples():
-            error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)
-            difference = abs(first.elasticity) - abs(other.elasticity)
-            low, high = confidence_limits((difference, error), int(first.samples), confidence)
-            lows.append(low)
-            highs.append(high)
+    limits = [
+        confidence_limits(difference, int(samples[rock]), confidence)
+        for rock, _, difference in _differences(elasticities, parameter)
+    ]
+    lows, highs = zip(*limits, strict=True)
     return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
 
 
