@@ -7,9 +7,8 @@ Nearly all of their cells break, and their joints take many times as long as oth
 from collections.abc import Iterable, Sequence
 from functools import cache
 
-from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.feasibility import largest_stress
-from jointclosure.joint.rocks import both_walls
 from jointclosure.joint.simulation import NEAR_STRENGTH
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.number_texts import percent
@@ -21,16 +20,15 @@ MOST_NAMED = 4
 
 
 @cache
-def share_of_strength(conditions: Conditions) -> float:
+def share_of_strength(conditions: CheckedConditions) -> float:
     """Return the maximum stress over that which all cells of the walls carry together [1].
 
     It is 0 where nothing bounds this stress. If only radii are bounded, cells may carry less, and
     the share may be larger.
     """
-    rock = both_walls(conditions.rock)
     # joints by fixed steps become as slow, but are not refused
     numerics = Numerics(breakage="resolved", tolerance=conditions.numerics.tolerance)
-    model = rock, conditions.effects, conditions.choices, numerics
+    model = conditions.rock, conditions.effects, conditions.choices, numerics
     return conditions.largest_stress / largest_stress(*model, conditions.grid_spacing)
 
 

@@ -32,7 +32,7 @@ def test_the_share_is_that_of_a_joint(numerics):
     for point in points_of_study(numerics):
         conditions = point.settings.conditions
         walls = next(iter(walls_of(point.settings)))
-        of_joint = Simulation(*walls, conditions.checked()).share_of_strength
+        of_joint = Simulation(*walls, conditions).share_of_strength
         assert share_of_strength(conditions) == pytest.approx(of_joint)
 
 
