@@ -159,3 +159,12 @@ def test_a_number_beyond_its_range_is_refused_in_one_line(inputs, command, name,
     assert (code, err.count("\n")) == (2, 1), out
     assert any(text in err for text in (word, word.strip("-"), option.dest))
     assert sorted(inputs.iterdir()) == before, "something was written"
+
+
+@pytest.mark.parametrize("cycle", [0, 3])
+def test_a_cycle_that_the_load_does_not_have_is_refused(cycle, command, tmp_path):
+    words = ["simulate", "--rock", "dolerite", "--cells", "24x20", "--stress", 5]
+    words += ["--tables", tmp_path / "t", "--export-cycle", cycle]
+    code, out, err = command(*words)
+    assert (code, out) == (2, "")
+    assert f"--export-cycle {cycle}: must be a cycle of the load, 1 to 2" in err
