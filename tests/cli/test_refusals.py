@@ -61,7 +61,11 @@ def nothing_is_computed(monkeypatch, inputs):
         (["simulate", "--rock", "slate", "--strss", 2], "--strss 2; did you mean --stress? (see"),
         (
             ["simulate", *GRANITE, "--jrc", 8, "--stress", 1, "--youngs-modulus", 52000],
-            "(52000 GPa): not usual of rock",
+            "--youngs-modulus 52000: not usual of rock (0.1 to 300 GPa); is 52 GPa meant?",
+        ),
+        (
+            ["simulate", "--rock", "slate", "--stress", "5,0,1e7"],
+            "--stress 1e+07: not usual of rock (0.001 to 1000 MPa); is 10 MPa meant?",
         ),
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),

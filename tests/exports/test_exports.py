@@ -649,6 +649,13 @@ def test_fish_says_how_far_the_stiffness_of_the_hyperbola_is_from_that_of_the_jo
     assert (float(low), float(high)) == pytest.approx((min(apart), max(apart)), rel=0.1)
 
 
+def test_the_misfit_of_the_hyperbola_is_stated_once_for_porepy_too(history):
+    files, remarks = joint_files(history, stress_table(history), LAWS, 2)
+    (stated,) = (line for line in remarks if "the stiffness of the fitted hyperbola" in line)
+    assert stated.startswith("PorePy, UDEC, 3DEC: ")
+    assert stated.partition("hyperbola ")[2] in files["barton_bandis.dat"]
+
+
 @pytest.fixture(scope="module")
 def straight(history):
     """A joint that closes in proportion to the stress, which is no hyperbola."""

@@ -131,9 +131,11 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
             continue
         reference = _COMPLIANCE_FACTOR * start / slope
         miss = np.abs(1.0 / (start + slope * stress) - aperture)
+        off = f"off by up to {1e3 * miss.max():.2g} um, {percent((miss / aperture).max())}"
+        if not ending:
+            remarks.append(f"geos_barton_bandis.xml: its aperture is {off}")
         lines += [
-            f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: off by up to "
-            f"{1e3 * miss.max():.2g} um, {percent((miss / aperture).max())} -->",
+            f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: {off} -->",
             f'  <BartonBandis name="{name}" referenceAperture="{1e-3 / start:.6e}" '
             f'referenceNormalStress="{1e6 * reference:.6e}"/>',
         ]

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.exports.loading import ENDS, End, loading_by_ending
+from jointclosure.exports.loading import ENDS, End, known_loadings, loading_by_ending
 from jointclosure.inputs import InputError
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
@@ -91,12 +91,14 @@ def _hyperbolas(
 class FittedLoading(NamedTuple):
     """Hyperbolas of a loading by endings of constants, or the ``reason`` why the joint has none.
 
-    ``remarks`` name the ends of the band that have none.
+    ``remarks`` name the ends of the band that have none, and state the ``misfit``: how far the
+    stiffness of the hyperbola is from that of the joint.
     """
 
     hyperbolas: dict[str, Hyperbola]
     remarks: list[str]
     reason: str = ""
+    misfit: str = ""
 
     def required_by(self, programs: str) -> dict[str, Hyperbola]:
         """Return the hyperbolas; raise `InputError`, which names programs, if there are none."""
@@ -108,9 +110,14 @@ class FittedLoading(NamedTuple):
 def fitted_loading(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> FittedLoading:
     """Fit hyperbolas to a loading, and to the ends of its band of closure (`_hyperbolas`)."""
     try:
-        return FittedLoading(*_hyperbolas(joint, curves, cycle))
+        hyperbolas, remarks = _hyperbolas(joint, curves, cycle)
     except InputError as error:
         return FittedLoading({}, [], str(error))
+    loadings = known_loadings(joint, curves)
+    seating = history_of(joint).seating_stress
+    misfit = _tangent_text(hyperbolas[""], loadings[loadings.cycle == cycle], seating)
+    remarks.append(f"{_PROGRAMS}: the stiffness of the fitted hyperbola {misfit}")
+    return FittedLoading(hyperbolas, remarks, misfit=misfit)
 
 
 def _difference_at(
@@ -126,18 +133,18 @@ def _difference_at(
     return cubic_over(known, more - more[0])(np.clip(stress, known[0], known[-1]))
 
 
-def tangent_text(law: Hyperbola, loading: pd.DataFrame, seating: float) -> str:
+def _tangent_text(law: Hyperbola, loading: pd.DataFrame, seating: float) -> str:
     """Say how far the stiffness of a hyperbola is from that of its loading, above seating [Pa]."""
     rows = loading[1e6 * loading.normal_stress_MPa > seating]
     rows = rows.dropna(subset="normal_stiffness_net_MPa_per_mm")
     if rows.empty:
-        return "the stiffness of the loading is not known"
+        return "is not compared with that of the loading, which is not known"
     stress = rows.normal_stress_MPa.to_numpy()
     above = 1e6 * stress - seating
     tangent = law.stiffness * (1.0 + above / (law.stiffness * law.largest_closure)) ** 2
     apart = 1e-9 * tangent / rows.normal_stiffness_net_MPa_per_mm.to_numpy() - 1.0
     return (
-        f"the stiffness of the hyperbola of bb_kni and bb_vm differs from that of the joint "
+        "differs from that of the joint "
         f"(answer.csv) by {percent(apart.min())} to {percent(apart.max())} at {stress.min():.3g} "
         f"to {stress.max():.3g} MPa"
     )

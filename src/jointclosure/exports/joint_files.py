@@ -17,8 +17,8 @@ from jointclosure.joint.laws import JointLaws
 from jointclosure.joint.status import failed
 
 _NET = (
-    "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
-    "the half-spaces; answer.csv, curves.csv and cycles.csv have gross values too"
+    "stiffness, laws and inputs of other programs are net; answer.csv, curves.csv and cycles.csv "
+    "have gross values too"
 )
 
 

@@ -4,12 +4,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.exports.hyperbola import FittedLoading, fitted_loading, tangent_text
+from jointclosure.exports.hyperbola import FittedLoading, fitted_loading
 from jointclosure.exports.loading import (
     ENDS,
     Exported,
     beyond_measured,
-    known_loadings,
     loading_text,
     range_texts,
     stiffness_ratio,
@@ -96,9 +95,7 @@ def barton_bandis_commands(
             "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
             f"{loading_text(joint, cycle)}"
         )
-        loadings = known_loadings(joint, curves)
-        of_cycle = loadings[loadings.cycle == cycle]
-        head.append(f"; {tangent_text(hyperbolas[''], of_cycle, seating)}")
+        head.append(f"; the stiffness of the hyperbola of bb_kni and bb_vm {fitted.misfit}")
         ranges = range_texts(curves, "_closes_less", "_closes_more", "_with_choices")
         head += [f"; {line}" for line in ranges]
     text = "\n".join([*head, *lines]) + "\n" + function
