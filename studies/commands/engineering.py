@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.options import add_file, writable
-from jointclosure.cli.results import FIGURES
+from jointclosure.exports.tables import FIGURES
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.history import KINDS
 from jointclosure.joint.interpolation import rising_slopes

@@ -50,7 +50,9 @@ class Configuration(keys.Section):
     surface: keys.SurfaceSynthesis
     seating_stress: Annotated[float, keys.OR_NULL] = entry(
         "Stress from which seated closures count [MPa]; it changes what is read, never what "
-        "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it.",
+        "happens. null: 0.5, or a tenth of the rocks' smallest maximum if 0.5 is above 0.9 of it. "
+        "A changed value simulates all joints again, because the results that are stored of a "
+        "joint count from it, and not all of its steps are stored.",
         None,
         alias="seating_stress_MPa",
         ge=0,

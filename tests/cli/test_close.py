@@ -14,9 +14,9 @@ from PIL import Image
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli import report
-from jointclosure.cli.exports import export_remarks
 from jointclosure.cli.results import summary, with_bands
 from jointclosure.ensembles.quantities import CURVES
+from jointclosure.exports.loading import loading_remark
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import conditions
 from jointclosure.joint.rocks import named_rock
@@ -73,8 +73,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     record = json.loads((folder / "joint.json").read_text())
     assert record["found"] == joint.pair.report
     assert record["found"][: len(pair.report)] == pair.report
-    exported = export_remarks(joint.history, 1)
-    assert record["warnings"] == cautions([*pair.report, *exported])
+    assert record["warnings"] == cautions([*pair.report, loading_remark(joint.history, 1)])
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * joint.pair.mismatch.wavelength
     assert set(record["sha256"]) == {"upper", "lower"}
     settings = json.loads(record["provenance"]["settings"])

@@ -61,7 +61,11 @@ def nothing_is_computed(monkeypatch, inputs):
         (["simulate", "--rock", "slate", "--strss", 2], "--strss 2; did you mean --stress? (see"),
         (
             ["simulate", *GRANITE, "--jrc", 8, "--stress", 1, "--youngs-modulus", 52000],
-            "(52000 GPa): not usual of rock",
+            "--youngs-modulus 52000: not usual of rock (0.1 to 300 GPa); is 52 GPa meant?",
+        ),
+        (
+            ["simulate", "--rock", "slate", "--stress", "5,0,1e7"],
+            "--stress 1e+07: not usual of rock (0.001 to 1000 MPa); is 10 MPa meant?",
         ),
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
@@ -159,3 +163,12 @@ def test_a_number_beyond_its_range_is_refused_in_one_line(inputs, command, name,
     assert (code, err.count("\n")) == (2, 1), out
     assert any(text in err for text in (word, word.strip("-"), option.dest))
     assert sorted(inputs.iterdir()) == before, "something was written"
+
+
+@pytest.mark.parametrize("cycle", [0, 3])
+def test_a_cycle_that_the_load_does_not_have_is_refused(cycle, command, tmp_path):
+    words = ["simulate", "--rock", "dolerite", "--cells", "24x20", "--stress", 5]
+    words += ["--tables", tmp_path / "t", "--export-cycle", cycle]
+    code, out, err = command(*words)
+    assert (code, out) == (2, "")
+    assert f"--export-cycle {cycle}: must be a cycle of the load, 1 to 2" in err

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.cli.exports import porepy_files
+from jointclosure.exports.porepy import porepy_files
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import GROSS, NET, history_of, round_levels
 from jointclosure.joint.interpolation import cubic_over

@@ -135,7 +135,7 @@ def test_what_a_mechanism_misses_is_stated(region):
     (sentence,) = (line for line in region.sentences() if line.startswith("no mechanism"))
     assert "not compatible" in sentence
     assert "share of the closure of cycle 2 that stays" in sentence
-    assert "farther from the mean of the nearest joints than" in sentence
+    assert "farther from the mean of the simulated joints that come nearest to it than" in sentence
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,13 @@ from jointclosure.walls.motion import Motion, SlopeFit
 from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.planes import detrended
-from jointclosure.walls.registration import ORIENTATIONS, _BestFit, _check_found, registered
+from jointclosure.walls.registration import (
+    ORIENTATIONS,
+    _BestFit,
+    _check_found,
+    _remedy,
+    registered,
+)
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.wall_files import check_cells, registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
@@ -735,3 +741,16 @@ def test_narrow_overlaps_say_that_standard_errors_are_too_small(wavelength, word
 def test_walls_without_a_mismatch_wavelength_have_no_width_in_it(wavelength):
     mismatch = Mismatch(wavelength, wavelength, wavelength)
     assert registration._width_remarks((64, 80), 0.25e-3, mismatch) == []
+
+
+@pytest.mark.parametrize(
+    ("other", "stated"),
+    [
+        (SlopeFit("towards", 0.8, 10.0, np.zeros(2)), "turned_over or towards: state"),
+        (SlopeFit("turned_over", 0.8, 350.0, np.zeros(2)), "their rotations differ by 20 degrees"),
+    ],
+)
+def test_an_ambiguous_fit_says_how_both_fits_differ(other, stated):
+    remedy = _remedy(SlopeFit("turned_over", 0.9, 10.0, np.zeros(2)), other)
+    assert stated in remedy
+    assert "--orientation turned_over --shift mated" in remedy

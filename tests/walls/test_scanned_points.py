@@ -216,3 +216,17 @@ def test_a_solid_is_no_wall_nor_is_a_wall_above_one(sheets, printed, points, tmp
     (tmp_path / "a.stl").write_bytes(trimesh.util.concatenate(meshes).export(file_type="stl"))
     with pytest.raises(jc.InputError, match=rf"a\.stl: .*{printed}"):
         read_scan(tmp_path / "a.stl", units="mm")
+
+
+@pytest.mark.parametrize(("units", "warned"), [("mm", False), ("inch", True), ("m", True)])
+def test_units_in_which_heights_are_unusually_far_apart_are_warned_of(tmp_path, units, warned):
+    """Of a wall of 10 x 8 mm in steps of 0.25 mm: steps of 6.35 mm in inch."""
+    y, x = 0.25 * np.indices((33, 41))
+    heights = np.random.default_rng(1).normal(0.0, 0.05, x.shape)
+    np.savetxt(tmp_path / "wall.xyz", np.column_stack([x.ravel(), y.ravel(), heights.ravel()]))
+    scan = jc.read_scan(tmp_path / "wall.xyz", units=units)
+    doubts = [line for line in cautions(scan.remarks) if "apart in" in line or "unusual in" in line]
+    assert bool(doubts) == warned
+    if units == "inch":
+        assert doubts[0].startswith("Warning: heights are 6.")
+        assert "as they would be in mm; check units" in doubts[0]

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import export_files, export_remarks, exported_loading
 from jointclosure.execution.progress import duration, seconds_of_process
+from jointclosure.exports.loading import Exported, loading_text
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.load import stated_load
@@ -68,7 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
     title = " on ".join(Path(scan).name for scan in scans.values())
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
     about = results.attributes(stated)
-    files = _files(joint, scans, about, title, answer, arguments.export_cycle)
+    cycle = arguments.export_cycle
+    exported = results.exported(joint.history, title, curves, joint.laws, cycle)
+    files = _files(joint, scans, about, title, answer, exported, cycle)
     wrote = results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""
@@ -103,11 +105,12 @@ def _files(
     about: dict[str, str],
     title: str,
     answer: dict,
+    exported: Exported,
     cycle: int,
 ) -> dict[str, Any]:
-    """Return history, registration and figures of a joint by the names of their files.
+    """Return history, registration, figures and exports of a joint by the names of their files.
 
-    ``cycle`` is that of the constants for other programs.
+    ``exported`` has the files for other programs, whose constants are those of a ``cycle``.
     """
     from jointclosure.plotting.joint import closure_curve, range_figure
     from jointclosure.plotting.snapshots import snapshot_figure
@@ -115,11 +118,10 @@ def _files(
 
     history = joint.history
     budget = joint.budget
-    laws = joint.laws
     digests = {side: file_digest(scan) for side, scan in scans.items() if scan != FLAT}
     files: dict[str, Any] = {
         "joint.nc": history.assign_attrs(about),
-        "joint.json": _record(joint, title, answer, cycle)
+        "joint.json": _record(joint, title, answer, exported, cycle)
         | {"sha256": digests, "provenance": about},
         "walls.png": pair_figure(joint.pair, title),
         "closure.png": closure_curve(history, title, budget and budget.ranges),
@@ -128,13 +130,15 @@ def _files(
         files |= {"range.csv": budget.results, "range.png": range_figure(budget, title)}
     if history.sizes.get("snapshot"):
         files["snapshots.png"] = snapshot_figure(history, title)
-    return files | export_files(history, title, joint.curves, laws, cycle)
+    return files | exported.files
 
 
-def _record(joint: ClosedJoint, title: str, answer: dict[str, Any], cycle: int) -> dict[str, Any]:
+def _record(
+    joint: ClosedJoint, title: str, answer: dict[str, Any], exported: Exported, cycle: int
+) -> dict[str, Any]:
     """Return the results with units in their names; ``answer`` is as from `results.summary`.
 
-    ``cycle`` is that of the constants for other programs.
+    ``exported`` and ``cycle`` are as for `_files`.
     """
     pair = joint.pair
     history = joint.history
@@ -151,7 +155,7 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any], cycle: int) 
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": results.status_text(history),
         "found": pair.report,
-        "warnings": cautions([*pair.report, *answer["remarks"], *export_remarks(history, cycle)]),
+        "warnings": cautions([*pair.report, *answer["remarks"], *exported.remarks]),
         "cells_y_x": list(pair.upper.shape),
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,
@@ -169,6 +173,6 @@ def _record(joint: ClosedJoint, title: str, answer: dict[str, Any], cycle: int) 
         "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
-        "exports_of": exported_loading(history, cycle),
+        "exports_of": "" if results.failed(history) else loading_text(history, cycle),
         **answer,
     }

@@ -8,6 +8,8 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, get_args, get_origin
 
+import numpy as np
+
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
@@ -16,7 +18,7 @@ from jointclosure.joint.rocks import ROCKS, KnownRock, matching
 from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.measured.joint_arguments import MeasuredJoint
-from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, Rock
+from jointclosure.parameters import OF_ROCK, USUAL, Choices, Effects, Numerics, Rock, check_usual
 from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
@@ -52,6 +54,8 @@ _CHOICES: dict[str, Iterable[str]] = {
     "normalise": NORMALISATIONS,
     "rule": RULES,
 }
+_CONFUSED = (1e-3, 1e-6, 1e-9, 1e3, 1e6)
+"""Factors from a value in a confused unit to the unit of its option."""
 PICTURES = (".png", ".pdf", ".svg")
 SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
 """Keywords of `read_scan`; of `registered` besides the spacing, which is one of `Conditions`."""
@@ -262,6 +266,31 @@ def check_export_cycle(cycle: int, load: Load) -> None:
         raise InputError(f"--export-cycle {cycle}: must be a cycle of the load, 1 to {cycles}")
 
 
+def check_usual_options(arguments: argparse.Namespace) -> None:
+    """Raise `InputError`, in the unit of the option, if the value of an option is unusual for rock.
+
+    Commands without --unusual-values have their own checks.
+    """
+    if getattr(arguments, "unusual_values", True):
+        return
+    for name, stated in given(arguments, USUAL).items():
+        unit = UNITS.get(name, "1")
+        for value in np.atleast_1d([] if stated is None else stated).tolist():
+            if name == "max_normal_stress" and value == 0.0:  # a load may go back to 0
+                continue
+            try:
+                check_usual((), **{name: value})
+            except InputError:
+                low, high = (in_unit(end, unit) for end in USUAL[name][:2])
+                number = in_unit(value, unit)
+                likely = [number * factor for factor in _CONFUSED if low <= number * factor <= high]
+                meant = f"is {likely[0]:g} {unit} meant?" if likely else "is the unit right?"
+                raise InputError(
+                    f"{names_of(name)[0]} {number:g}: not usual of rock ({low:g} to {high:g} "
+                    f"{unit}); {meant} --unusual-values takes it as it is"
+                ) from None
+
+
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
     """Return the arguments that were given, of the named ones."""
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
@@ -276,6 +305,7 @@ def keywords(
     given nor known from a named rock. Without a stated rule of breakage the ``usual`` numerics
     hold.
     """
+    check_usual_options(arguments)
     known = ROCKS.get(arguments.rock)
     stated = given(arguments, OF_ROCK)
     required = () if known else [name for name in OF_ROCK if name not in Rock._field_defaults]

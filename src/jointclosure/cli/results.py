@@ -11,6 +11,8 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
+from jointclosure.exports.joint_files import joint_files
+from jointclosure.exports.loading import Exported
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
@@ -29,9 +31,6 @@ from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 from jointclosure.uncertainty.results import APERTURE, FITTED, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
 
-FIGURES = 7
-"""Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
-neighbouring steps."""
 _BOUNDS = (
     "the hydraulic aperture is left empty there, and its bounds are smallest_hydraulic and "
     "largest_hydraulic; they are to be used, or a lower maximum stress"
@@ -131,8 +130,7 @@ def summary(
     if len(wider_named) and budget is not None:
         lines += ["", f"The same, {budget.wider_title()}", wider_named.to_string(index=False)]
     for heading, about in remarks.items():
-        if about:
-            lines += ["", heading, *(f"- {remark}" for remark in about)]
+        lines += _section(heading, about)
     answer = {
         "table": table.to_dict(),
         "with_other_choices": wider.to_dict(),
@@ -142,6 +140,11 @@ def summary(
         "remarks": [remark for about in remarks.values() for remark in about],
     }
     return "\n".join(lines), answer
+
+
+def _section(heading: str, remarks: Sequence[str]) -> list[str]:
+    """Return the lines of remarks below a heading, none if there are no remarks."""
+    return ["", heading, *(f"- {remark}" for remark in remarks)] if remarks else []
 
 
 def _as_heading(text: str) -> str:
@@ -415,6 +418,21 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
         write(crushing_animation(closed, title), arguments.animation)
         print(f"wrote {arguments.animation}")
     return with_snapshots(closed, arguments.snapshots)
+
+
+def exported(
+    joint: xr.Dataset, title: str, curves: pd.DataFrame, laws: JointLaws, cycle: int
+) -> Exported:
+    """Return the files of `joint_files` and a figure of them, and print the remarks on them."""
+    known = joint_files(joint, curves, laws, cycle)
+    for line in _section("Files", known.remarks):
+        print(line)
+    if not known.files:
+        return known
+    from jointclosure.plotting.joint import engineering_figure
+
+    figure = engineering_figure(joint, title, curves, laws.by_cycle)
+    return known._replace(files=known.files | {"engineering.png": figure})
 
 
 def write_folder(folder: Path, command: str, files: Mapping[str, Any]) -> str:

@@ -18,7 +18,6 @@ import inspect
 from typing import Any
 
 from jointclosure.cli import options, results
-from jointclosure.cli.exports import export_files
 from jointclosure.execution.progress import closing_bar, duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.joint.checked_conditions import check_named_stresses
@@ -97,6 +96,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        exports = export_files(closed, title, curves, laws, arguments.export_cycle)
-        print(results.write_folder(arguments.tables, "simulate", exports))
+        exported = results.exported(closed, title, curves, laws, arguments.export_cycle)
+        print(results.write_folder(arguments.tables, "simulate", exported.files))
     return int(results.failed(closed))

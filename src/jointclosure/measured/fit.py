@@ -92,9 +92,10 @@ class Fit(NamedTuple):
         compared += reading_sentences(self.curve, self.measured, self.closure_error)
         missed = self._missed_first_loading()
         if not self.interval_holds:
-            ends = {0.0: "mates", math.inf: "independent walls"}
+            ends = {0.0: "mated walls", math.inf: "independent walls"}
             between = f"walls of a mismatch wavelength of {1e3 * wavelength.value:.3g} mm"
-            nearest = [f"nearest are {ends.get(wavelength.value, between)}"] * (not self.scanned)
+            which = ends.get(wavelength.value, between)
+            nearest = [f"the likeliest of the simulated joints have {which}"] * (not self.scanned)
             return [
                 self._unexplained_caution(missed),
                 *nearest,
@@ -104,7 +105,8 @@ class Fit(NamedTuple):
         lines: list[str] = []
         if missed:
             which = f"no simulated joint has the measured {' or the '.join(missed)}"
-            lines.append(caution(f"{which}: the interval is that of the nearest joints; {ADVICE}"))
+            likeliest = "the interval is that of the likeliest joints"
+            lines.append(caution(f"{which}: {likeliest}; {ADVICE}"))
         if not self.scanned:
             lines.append(f"mismatch wavelength {_formatted_estimate(wavelength, 1e3, 'mm')}")
         if strength is not None:
@@ -162,7 +164,8 @@ class Fit(NamedTuple):
             high += f" {unit} or more" if one.high == tried[-1] else f" {unit}"
             where = f"reached by simulated joints at {what} of {low} to {high}"
             if one.missed:
-                where = f"reached by no simulated joint, the nearest have {least} to {most}"
+                where = "reached by no simulated joint; those whose values come nearest to it have "
+                where += f"{least} to {most}"
                 where += f" {one.unit}".removesuffix(" 1") + about_share(one.unit, one.least)
             value += f" {one.unit}".removesuffix(" 1")
             lines.append(f"{one.name}, measured {value}: {where}")

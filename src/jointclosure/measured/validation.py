@@ -194,8 +194,8 @@ class Region(NamedTuple):
             )
             where = "; ".join(missed) or "each quantity is met by itself, but not all together"
             lines.append(
-                f"{title}: not compatible, the curve is farther from the mean of the nearest "
-                f"joints than {beyond} of them are: {where}"
+                f"{title}: not compatible, the curve is farther from the mean of the simulated "
+                f"joints that come nearest to it than {beyond} of these joints are: {where}"
             )
         lines += [_ABOUT_CONSTANTS, ABOUT_RANGES, *numerical_sentence(self.numerical)]
         lines += self.reading

@@ -269,10 +269,15 @@ class Budget(NamedTuple):
     def about_shares(self) -> str:
         """Say what a share of 100 % is, and why shares may add to more."""
         others = " and other choices of the model" if self.choices else ""
+        wider = (
+            "of the range with other choices of the model, and not of the narrower one: "
+            if self.choices
+            else ""
+        )
         return (
-            f"100 % is the variance of the result over joints with random values of all sources"
-            f"{others}; an interaction counts for each of its sources, so that shares may add to "
-            "more than 100 %"
+            f"{wider}100 % is the variance of the result over joints with random values of all "
+            f"sources{others}; an interaction counts for each of its sources, so that shares may "
+            "add to more than 100 %"
         )
 
     def undetermined_shares(self, cycle: int, quantity: str) -> list[str]:

@@ -130,7 +130,8 @@ class Motion(NamedTuple):
         x, y = (f"{1e3 * d:.4f} +- {1e3 * e:.4f}" for d, e in zip(shift, errors, strict=False))
         return (
             f"turned by {self.angle:.3f} +- {angle:.3f} degrees in its plane and tilted by "
-            f"{self.tilt:.2f} degrees, its middle moved by ({x}, {y}) mm along (x, y), with "
+            f"{self.tilt:.2f} degrees (to which the inclinations of both scans to the plane of the "
+            f"scanner contribute), its middle moved by ({x}, {y}) mm along (x, y), with "
             "standard errors"
         )
 

@@ -633,9 +633,8 @@ def _oriented_fit(
         raise InputError(
             f"the fit of the walls is ambiguous: slopes correlate by {best} and by {second}, "
             f"but the best must be {CLEAR:g} times the second; check that these are the walls of "
-            f"one joint; walls that do not mate need their orientation ({', '.join(ORIENTATIONS)}) "
-            "and keep their scanned position; for walls that mate state shift mated (--shift) too, "
-            "and check the position of best fit that is printed then"
+            f"one joint; {_remedy(best, second)}; walls that do not mate need their orientation "
+            f"({', '.join(ORIENTATIONS)}) alone, and keep their scanned position"
         )
     used = orientation or best.orientation
     how = "found" if orientation is None else "stated"
@@ -657,6 +656,25 @@ def _oriented_fit(
         return _BestFit(used, fits, None)
     mated = refined_motion(upper, lower, _FLIPS[used], best_of[used])
     return _BestFit(used, fits, mated)
+
+
+def _remedy(best: SlopeFit, second: SlopeFit) -> str:
+    """Say how two fits of mating walls differ, and how one of them is chosen."""
+    if second.orientation != best.orientation:
+        return (
+            f"if they mate, the orientation is {best.orientation} or {second.orientation}: state "
+            "the one in which the walls were scanned, and shift mated (--orientation "
+            f"{best.orientation} --shift mated); if it is not known, do so with both, and keep the "
+            "one whose heights correlate more, which the report of the registration states"
+        )
+    return (
+        f"both fits are {best.orientation}, and their rotations differ by "
+        f"{best.turned_from(second):g} degrees: if the walls mate, --orientation "
+        f"{best.orientation} --shift mated (orientation and shift in Python) takes the first of "
+        "them; it is right only if it is about the rotation in which the walls were scanned, and "
+        "if the report of the registration states a high correlation of heights; otherwise rotate "
+        "one scan to within a few degrees of the other before this"
+    )
 
 
 def _second_fit(upper: Surface, lower: Surface, tried: list[SlopeFit]) -> SlopeFit:

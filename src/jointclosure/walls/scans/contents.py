@@ -33,6 +33,9 @@ SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -3
 """Values that count as missing if they are beyond all other values."""
 _ROWS = 200  # most rows whose precision is checked
 _DOUBLE = np.dtype(float)  # type in which all heights are kept
+USUAL_DISTANCES = 1e-6, 2e-3
+"""Distances [m] of heights in scans of rock joints, from profilometers to laser scanners; chosen.
+Others are probably in a wrong unit. Scans with a distance above 0.1 m are refused (`USUAL`)."""
 LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
 
 
@@ -121,6 +124,26 @@ def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
             usual[name] = f"{name} ({1e3 * size * x:.4g} x {1e3 * size * y:.4g} mm)"
     spans = f"; it spans {x:.4g} x {y:.4g}"
     return [*usual], f"{spans}, plausible in {' or '.join(usual.values())}" if usual else spans
+
+
+def _distance_doubt(contents: Contents, lengths: str) -> str:
+    """Ask for the units if heights are unusually far apart in these units of x and y; or ""."""
+    sides = contents.sides()
+    if contents.points is not None and sides is not None:
+        count = int(np.isfinite(contents.points).all(axis=1).sum())
+        apart = math.sqrt(sides[0] * sides[1] / max(count, 1))
+    else:
+        apart = float(max(contents.spacing))
+    low, high = USUAL_DISTANCES
+    distance = size_of(lengths) * apart
+    if not math.isfinite(distance) or low <= distance <= high:
+        return ""
+    others = [name for name, size in UNITS.items() if low <= size * apart <= high]
+    return (
+        f"heights are {1e3 * distance:.3g} mm apart in {lengths}, and in scans of rock joints "
+        f"usually {1e3 * low:g} to {1e3 * high:g} mm, as they would be in "
+        f"{' or '.join(others) or 'no known unit'}; check units"
+    )
 
 
 def settled(
@@ -285,6 +308,8 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
         remarks = (*remarks, caution(f"{unused}; check units and spacing"))
     if SPELT[lengths.strip()] not in usual:
         remarks = (*remarks, caution(f"unusual in {lengths}{spans}"))
+    elif spacing is None and (doubt := _distance_doubt(contents, lengths)):
+        remarks = (*remarks, caution(doubt))
     if contents.points is not None:
         if spacing is not None:
             given = f"scan_spacing = {1e3 * spacing:g} mm"

@@ -1,0 +1,41 @@
+"""Barton-Bandis constants of PorePy."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.exports.hyperbola import FittedLoading, fitted_loading
+from jointclosure.exports.loading import Exported, loading_by_ending
+from jointclosure.joint.history import history_of
+
+
+def porepy_files(
+    joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1, fitted: FittedLoading | None = None
+) -> Exported:
+    """Return PorePy's Barton-Bandis constants [Pa/m, m, m] of the loading of a cycle.
+
+    They are those of its hyperbolas, which are ``fitted`` unless they are given. Their aperture is
+    the mean aperture; for a joint with flow a remark has the ratio of the hydraulic aperture to it.
+    Raise `InputError` if no hyperbola can be fitted to the joint.
+    """
+    fitted = fitted or fitted_loading(joint, curves, cycle)
+    hyperbolas = fitted.required_by("PorePy")
+    remarks = list(fitted.remarks)
+    if history_of(joint).has_flow:
+        top = loading_by_ending(joint, curves, cycle)[""].iloc[-1]
+        ratio = top.hydraulic_aperture_mm / top.mean_aperture_mm
+        text = f"{ratio:.2g} times it" if np.isfinite(ratio) else "not known"
+        text = "0 (blocked)" if ratio == 0.0 else text
+        remarks.append(
+            "PorePy: residual_aperture is of the mean aperture; the hydraulic aperture is "
+            f"{text} at {top.normal_stress_MPa:g} MPa"
+        )
+    constants = {
+        f"porepy{ending}.json": {
+            "fracture_normal_stiffness": law.stiffness,
+            "maximum_elastic_fracture_opening": law.largest_closure,
+            "residual_aperture": max(law.aperture - law.largest_closure, 0.0),
+        }
+        for ending, law in hyperbolas.items()
+    }
+    return Exported(constants, remarks)
