@@ -134,6 +134,9 @@ def compared(number: int) -> list[dict]:
         "cells": joint.pair.upper.size,
     }
     about |= {"mating_mm": 1e3 * (truth.about["mating"] or np.nan)}
+    is_registered = joint.pair.motion.covariance.any()
+    width = joint.pair.mismatch_wavelengths if is_registered else np.inf
+    about |= {"width_in_mismatch_wavelengths": width}
     rows = []
     for kind, history in truths(number, truth, joint):
         table = results_of(history).set_index("cycle")

@@ -157,6 +157,7 @@ def compared(number: int, close: bool, **stated: float) -> dict[str, float]:
     scores = errors / np.sqrt(np.diag(pair.mated.covariance))
     row = truth.about | {"angle": angle, "shift_in_cells": shift, "seconds": seconds}
     row |= dict(zip(("z_angle", "z_x", "z_y"), scores, strict=True)) | {"share": pair.overlap}
+    row["error_factor"] = pair.error_factor
     if close:
         row["closure_mm"] = closure(pair.upper, pair.lower, pair.spacing)
         row["true_mm"] = closure(*truth.walls(pair), pair.spacing)
@@ -182,6 +183,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
             aims[name] = 0.05
     row = {"pairs": len(table), "rms_degrees": float((table.angle**2).mean() ** 0.5)}
     row |= {f"rms_{name}": value for name, value in scores.items()}
+    stated = table[[*scores.index]].div(table.error_factor, axis=0)
+    row |= {f"stated_rms_{name}": (stated[name] ** 2).mean() ** 0.5 for name in stated}
     for name, error in errors.items():
         row |= {f"{name}_within": int((error <= aims[name]).sum()), f"{name}_aim": aims[name]}
         row |= {f"{name}_median": error.median(), f"{name}_largest": error.max()}

@@ -2,8 +2,10 @@
 
 import re
 import warnings
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -730,13 +732,22 @@ def test_fits_of_one_broad_peak_are_one_fit(number):
     assert pair.motion.angle == pytest.approx(-5.0, abs=3.0 * error)
 
 
-@pytest.mark.parametrize(("wavelength", "words"), [(2.1e-3, "7.6 mismatch"), (1.9e-3, "")])
-def test_narrow_overlaps_say_that_standard_errors_are_too_small(wavelength, words):
-    mismatch = Mismatch(wavelength, 0.9 * wavelength, 1.1 * wavelength)
-    remarks = registration._width_remarks((64, 80), 0.25e-3, mismatch)
-    assert [words in remark for remark in remarks] == [True] * bool(words)
+def of_width(wavelengths):
+    """A pair whose overlap has a width of so many mismatch wavelengths, and a fit with an error."""
+    width = 64 * 0.25e-3
+    wavelength = width / wavelengths if wavelengths else 0.0
+    place = np.zeros(3)
+    motion = Motion(np.eye(3), np.eye(3), place, place, np.diag([1e-4, 1e-5, 1e-5]) ** 2)
+    pair = dict.fromkeys(registration.RegisteredPair._fields[:16])
+    walls = np.random.default_rng(0).normal(0.0, 1e-5, (2, 64, 80))
+    return registration.RegisteredPair(**pair | {
+        "upper": walls[0], "lower": walls[1], "spacing": 0.25e-3, "motion": motion,
+        "mated": motion, "first": place[:2], "holes": np.zeros((64, 80), bool),
+        "mismatch": Mismatch(wavelength, 0.9 * wavelength, 1.1 * wavelength),
+    })  # fmt: skip
 
 
+<<<<<<< HEAD
 @pytest.mark.parametrize("wavelength", [0.0, np.inf])
 def test_walls_without_a_mismatch_wavelength_have_no_width_in_it(wavelength):
     mismatch = Mismatch(wavelength, wavelength, wavelength)
@@ -754,3 +765,32 @@ def test_an_ambiguous_fit_says_how_both_fits_differ(other, stated):
     remedy = _remedy(SlopeFit("turned_over", 0.9, 10.0, np.zeros(2)), other)
     assert stated in remedy
     assert "--orientation turned_over --shift mated" in remedy
+=======
+def test_narrow_overlaps_say_by_what_their_standard_errors_are_too_small():
+    (remark,) = registration._width_remarks(of_width(5.0))
+    assert "5 mismatch wavelengths wide" in remark
+    assert "2.4 times as large as these standard errors" in remark
+    assert registration._width_remarks(of_width(10.5)) == []
+
+
+def test_errors_of_the_position_on_narrow_overlaps_are_larger_than_those_of_the_fit():
+    wide, narrow = (np.sqrt(np.diag(of_width(n).errors.covariance)) for n in (12.0, 6.4))
+    np.testing.assert_allclose(narrow / wide, 1.55, rtol=1e-12)
+    np.testing.assert_allclose(wide, [1e-4, 1e-5 / 0.25e-3, 1e-5 / 0.25e-3], rtol=1e-12)
+
+
+@pytest.mark.parametrize("wavelengths", [0.0, np.inf])
+def test_walls_without_a_mismatch_wavelength_keep_the_errors_of_the_fit(wavelengths):
+    pair = of_width(wavelengths)
+    assert pair.error_factor == 1.0
+    assert registration._width_remarks(pair) == []
+
+
+@pytest.mark.parametrize(("folder", "width"), [("2", 8.0), ("25", 6.4), ("29", 5.5)])
+def test_the_error_factor_is_that_of_the_stored_test(folder, width):
+    stored = Path("benchmarks/results") / f"registration_small_{folder}" / "summary.csv"
+    (row,) = pd.read_csv(stored).to_dict("records")
+    scores = [row[f"rms_z_{name}"] for name in ("angle", "x", "y")]
+    measured = np.sqrt(np.mean(np.square(scores)))
+    assert of_width(width).error_factor == pytest.approx(measured, rel=0.05)
+>>>>>>> reg

@@ -61,11 +61,12 @@ _SAME = 0.05
 Holes of a tenth of a wall make their mean distance larger by as much."""
 _ONE_PEAK = 20.0
 """Difference of two rotations [degrees] up to which both may belong to one peak of correlation."""
-_ENOUGH_WAVELENGTHS = 8.0
-"""Width of an overlap, in mismatch wavelengths, from which on the standard errors of a fit held in
-a test (benchmarks/results/registration and registration_small_*)."""
-_ERRORS_TOO_SMALL = 1.4, 2.7
-"""Errors over standard errors (rms) of fits of walls of 4.6 to 6.4 mismatch wavelengths there."""
+_WIDTHS = (5.5, 6.4, 8.0, 10.0)
+"""Widths of an overlap [mismatch wavelengths] at which errors of fits were measured."""
+_ERRORS_OF_FITS = (2.4, 1.55, 1.15, 1.0)
+"""Errors of rotation and shift over their standard errors by the fit at these `_WIDTHS` (rms of the
+three errors of 24 pairs of walls each, benchmarks/results/registration_small_*; from 10 on those of
+benchmarks/results/registration). On walls of 4.6 wavelengths they are as at 5.5."""
 _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
 SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
 SPIKES = ("keep", "cut")  # what is done with spikes
@@ -145,6 +146,23 @@ class RegisteredPair(NamedTuple):
         return max(low, float(least)), max(high, float(least if high > 0.0 else most))
 
     @property
+    def mismatch_wavelengths(self) -> float:
+        """Width of the overlap in mismatch wavelengths; infinite if there is no such wavelength."""
+        wavelength = self.mismatch.wavelength
+        if not 0.0 < wavelength < np.inf:
+            return np.inf
+        return min(self.upper.shape) * self.spacing / wavelength
+
+    @property
+    def error_factor(self) -> float:
+        """Factor from standard errors of the fit to those of rotation and shift in `errors`.
+
+        Few waves of the walls fit each other on an overlap of few mismatch wavelengths, and the
+        residuals of the fit show less than its error. The factor was measured (`_ERRORS_OF_FITS`).
+        """
+        return float(np.interp(self.mismatch_wavelengths, _WIDTHS, _ERRORS_OF_FITS))
+
+    @property
     def finest(self) -> FineWalls:
         """Walls on the finest grid of the scans, to which the ``errors`` refer.
 
@@ -155,7 +173,10 @@ class RegisteredPair(NamedTuple):
 
     @property
     def errors(self) -> ScanErrors:
-        """Standard errors of the position, 0 if the walls stayed as scanned, and of the heights."""
+        """Standard errors of the position, 0 if the walls stayed as scanned, and of the heights.
+
+        Those of the position are those of the fit times the `error_factor`.
+        """
         fine = self.finest
         walls = (fine.upper, fine.lower)
         spacing = self.spacing / fine.step
@@ -164,7 +185,7 @@ class RegisteredPair(NamedTuple):
         if self.mated is not None and np.isfinite(self.motion.covariance).all():
             scale = np.array([1.0, spacing, spacing])
             offset = self.motion.difference_to(self.mated) / scale * self.motion.covariance.any()
-            covariance = self.motion.covariance / np.outer(scale, scale)
+            covariance = self.motion.covariance / np.outer(scale, scale) * self.error_factor**2
         middle = (self.motion.place[:2] - self.first) / spacing
         noise = self._noise_of_sum(walls)
         waves = [wave / spacing for wave in self.waves]
@@ -265,6 +286,7 @@ def registered(
         spacing *= step
     in_frame = fit.orientation == "common_frame" and not flat and (in_place or shift == "scanned")
     pair = _registered_pair(overlap, spacing, fit, motion, in_frame, report)
+    report += _width_remarks(pair)
     scale, error = scale_of(*walls)
     differ = scales_differ(scale, error)
     pair = pair._replace(
@@ -745,8 +767,6 @@ def _registered_pair(
             "degrees and are set parallel",
             f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
         ]
-        if motion.covariance.any():
-            report += _width_remarks(upper.shape, spacing, mismatch)
     else:  # one wall is flat and has no waves
         correlation = 0.0
         mismatch = Mismatch(*[np.inf] * 3)
@@ -772,18 +792,16 @@ def _registered_pair(
     )  # fmt: skip
 
 
-def _width_remarks(shape: tuple[int, ...], spacing: float, mismatch: Mismatch) -> list[str]:
+def _width_remarks(pair: RegisteredPair) -> list[str]:
     """Say that standard errors of a fit are too small on walls of few mismatch wavelengths."""
-    if not 0.0 < mismatch.wavelength < np.inf:
+    factor = pair.error_factor
+    if factor == 1.0 or not pair.motion.covariance.any():
         return []
-    wavelengths = min(shape) * spacing / mismatch.wavelength
-    if wavelengths >= _ENOUGH_WAVELENGTHS:
-        return []
-    low, high = _ERRORS_TOO_SMALL
     return [
-        f"the overlap is {wavelengths:.2g} mismatch wavelengths wide: in a test with fewer than "
-        f"{_ENOUGH_WAVELENGTHS:g}, errors of rotation and shift were {low:g} to {high:g} times as "
-        "large as their standard errors (docs/two_scans.md#how-the-scans-are-registered)"
+        f"the overlap is {pair.mismatch_wavelengths:.2g} mismatch wavelengths wide: in a test, "
+        f"errors of rotation and shift on such walls were {factor:.2g} times as large as these "
+        "standard errors, and the range of the joint has them so "
+        "(docs/two_scans.md#how-the-scans-are-registered)"
     ]
 
 
