@@ -747,25 +747,6 @@ def of_width(wavelengths):
     })  # fmt: skip
 
 
-<<<<<<< HEAD
-@pytest.mark.parametrize("wavelength", [0.0, np.inf])
-def test_walls_without_a_mismatch_wavelength_have_no_width_in_it(wavelength):
-    mismatch = Mismatch(wavelength, wavelength, wavelength)
-    assert registration._width_remarks((64, 80), 0.25e-3, mismatch) == []
-
-
-@pytest.mark.parametrize(
-    ("other", "stated"),
-    [
-        (SlopeFit("towards", 0.8, 10.0, np.zeros(2)), "turned_over or towards: state"),
-        (SlopeFit("turned_over", 0.8, 350.0, np.zeros(2)), "their rotations differ by 20 degrees"),
-    ],
-)
-def test_an_ambiguous_fit_says_how_both_fits_differ(other, stated):
-    remedy = _remedy(SlopeFit("turned_over", 0.9, 10.0, np.zeros(2)), other)
-    assert stated in remedy
-    assert "--orientation turned_over --shift mated" in remedy
-=======
 def test_narrow_overlaps_say_by_what_their_standard_errors_are_too_small():
     (remark,) = registration._width_remarks(of_width(5.0))
     assert "5 mismatch wavelengths wide" in remark
@@ -793,4 +774,16 @@ def test_the_error_factor_is_that_of_the_stored_test(folder, width):
     scores = [row[f"rms_z_{name}"] for name in ("angle", "x", "y")]
     measured = np.sqrt(np.mean(np.square(scores)))
     assert of_width(width).error_factor == pytest.approx(measured, rel=0.05)
->>>>>>> reg
+
+
+@pytest.mark.parametrize(
+    ("other", "stated"),
+    [
+        (SlopeFit("towards", 0.8, 10.0, np.zeros(2)), "turned_over or towards: state"),
+        (SlopeFit("turned_over", 0.8, 350.0, np.zeros(2)), "their rotations differ by 20 degrees"),
+    ],
+)
+def test_an_ambiguous_fit_says_how_both_fits_differ(other, stated):
+    remedy = _remedy(SlopeFit("turned_over", 0.9, 10.0, np.zeros(2)), other)
+    assert stated in remedy
+    assert "--orientation turned_over --shift mated" in remedy
