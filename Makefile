@@ -170,7 +170,7 @@ docs: $(DEVELOPMENT) ## Write the pages made of templates, and build the site, w
 	@$(BIN)/python docs/site/rulegraph.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/results
+publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in studies/<study>/published
 	@$(BIN)/python docs/site/publish.py "$$STUDY"
 
 mutants: $(STAMP) ## Test whether the fast tests detect wrong lines of the library (hours)

@@ -84,10 +84,11 @@ def pool_of(whole: Configuration) -> Configuration:
 
 
 def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
-    """Return the configurations of a study's ensembles by the folder of their files.
+    """Return the configurations of a study's ensembles by name, which is that of their folder.
 
-    ``cases`` is the study itself. ``finest`` (finest numerics, no effect left out, no
-    flow) is added for a requested accuracy, and ``pool`` for a study with a pool.
+    ``cases`` is the study itself. ``finest`` is added for a requested accuracy: at most `FEWEST`
+    realisations with the finest numerics, without flow, and with all effects that are stated, none
+    of which `effects.auto` leaves out. ``pool`` is added for a study with a pool.
     """
     study = whole.study
     ensembles = {"cases": whole}

@@ -99,3 +99,20 @@ def test_the_readme_names_the_command_by_which_the_check_runs_the_tests():
     check = (ROOT / ".ci/run").read_text(encoding="utf-8").splitlines()
     assert "make test" in check
     assert "`make test`" in readme
+
+
+def test_names_in_contributing_exist():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w./]*\w[\w./]*)`", re.sub(r"```.*?```", "", text, flags=re.S)))
+    command = ["git", "ls-files", "--cached"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    listed = done.stdout.split()
+    sources = [ROOT / name for name in listed if re.search(r"(\.py|\.smk|\.yaml|file)$", name)]
+    words = set(re.findall(r"\w+", "\n".join(path.read_text("utf-8") for path in sources)))
+    places = "/" + "\n/".join(listed)
+    missing = {
+        name
+        for name in named
+        if f"/{name.strip('/')}" not in places and not set(re.findall(r"\w+", name)) <= words
+    }
+    assert missing == set()

@@ -120,8 +120,9 @@ class Conditions(NamedTuple):
         if not self.unusual_values:
             for stress in snapshots:
                 check_usual((), snapshots=stress)
+        spacing = None if self.spacing is None else float(self.spacing)
         checked = CheckedConditions(
-            self.spacing, pair, load, float(seating), *self.model, self.flow, self.unusual_values
+            spacing, pair, load, float(seating), *self.model, self.flow, self.unusual_values
         )
         check_together(checked)
         return checked

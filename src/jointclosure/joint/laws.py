@@ -298,7 +298,10 @@ class JointLaws(NamedTuple):
         return scaled_to(self.joint_length, self.jrc, self.strength, self.lab_length)
 
     def from_zero(self, cycle: int) -> BartonBandis:
-        """Return the law of a cycle with stress and closure counted from zero stress."""
+        """Return the law of a cycle with stress and closure counted from zero stress.
+
+        The laws `by_cycle` count from the seating stress.
+        """
         jrc, wall_strength = self.scaled
         return barton_bandis(jrc, self.strength, self.strength / wall_strength, cycle)
 

@@ -166,7 +166,7 @@ def assess(batch, n, allowed, rules):
 
 @kernel
 def keep_assessment(batch, at, to):
-    """Copy strength and assessment of a pair, except for whether it breaks, to another place."""
+    """Copy what is known of the pair ``at``, but heights and `breaks`, to the place ``to``."""
     batch.curvature[UPPER, to] = batch.curvature[UPPER, at]
     batch.curvature[LOWER, to] = batch.curvature[LOWER, at]
     batch.overlap[to] = batch.overlap[at]
@@ -214,9 +214,11 @@ def measure_drops(batch, n, wall, tie_tolerance):
 
 @kernel
 def share_losses(batch, n, gouge):
-    """Set losses to both walls' shares of a loss of 1, 0 for a pair that does not break.
+    """Decide which of the first n pairs break, and set the share of a loss of each wall.
 
-    With gouge a pair without a lower neighbour on either wall is locked, and does not break.
+    The shares of both walls add to 1, and are 0 for a pair that does not break. With gouge a pair
+    without a lower neighbour on either wall is locked, and does not break. `breaks`, `locked` and
+    the number of steps of the batch are set too.
     """
     for i in range(n):
         share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])

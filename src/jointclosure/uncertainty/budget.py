@@ -83,7 +83,8 @@ class Budget(NamedTuple):
     ranges : DataFrame
         Over (cycle, quantity): ``best``, the value of the joint; ``low`` and ``high``, between
         which 9 in 10 joints with random values lie; the same with other choices of the model too
-        (`WIDER`); and the share of each source in the latter range, interactions included.
+        (`WIDER`, the wider range); and the share of each source in the variance of the result
+        within the wider range, interactions included.
     omitted : tuple of str
         Sources taken as exact.
     curves : DataFrame

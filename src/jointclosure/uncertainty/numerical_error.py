@@ -94,8 +94,9 @@ def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
     -------
     DataFrame
         One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
-        other steps are known), and ``scatter``, as `log_scatter`, of the joint, its copies and
-        those with other steps; ``by`` describes these steps and copies.
+        other steps are known), and ``scatter``, as `log_scatter`, of the joint, of its copies
+        (`jointclosure.uncertainty.variants.COPIES`, such as a mirrored one) and of those with other
+        steps; ``by`` describes these steps and copies.
     """
     rows = []
     for cycle, here in results.groupby("cycle"):

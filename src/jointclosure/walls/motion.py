@@ -56,8 +56,8 @@ _INVERSIONS = 8  # rounds in which the height at a node of a tilted wall is foun
 class Motion(NamedTuple):
     """Rigid motion of a wall: rotation about a middle that comes to lie at a place."""
 
-    flip: np.ndarray  # reflection (3, 3) of an orientation, which comes first
-    rotation: np.ndarray  # (3, 3)
+    flip: np.ndarray  # reflection (3, 3) of an orientation, which is a part of ``rotation``
+    rotation: np.ndarray  # (3, 3), a reflection too where the flip is one
     middle: np.ndarray  # (x, y, z) [m]
     place: np.ndarray  # (x, y, z) [m]
     covariance: np.ndarray  # (3, 3) of the rotation about the normal [rad] and the shift (x, y) [m]

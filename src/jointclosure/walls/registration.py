@@ -99,7 +99,7 @@ class FineWalls(NamedTuple):
 
 
 class RegisteredPair(NamedTuple):
-    """Two registered walls on a grid; places are (y, x)."""
+    """Two registered walls on a grid; places are (y, x), except for ``first``."""
 
     upper: np.ndarray  # heights (y, x) [m] towards the other wall
     lower: np.ndarray
