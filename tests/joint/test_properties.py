@@ -104,7 +104,7 @@ def closed(problem, cycles):
     judge, stated = Judge(oracle.PristineJoint(*walls, *given), tolerances), dict(problem)
     history = simulate_walls(
         *stated.pop("walls"),
-        Conditions(**stated, seating_stress=0.0, cycles=cycles).checked(),
+        Conditions(**stated, seating_stress=0.0, cycles=cycles, unusual_values=True).checked(),
         solver_of=lambda name: JudgedSolver(solver_named(name), judge),
     )
     for name, limit in judge.limits.items():
