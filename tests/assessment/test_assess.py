@@ -108,7 +108,10 @@ def test_the_last_line_says_that_no_setting_meets_a_request():
 
 def test_the_last_line_does_not_claim_an_error_of_the_finest_setting():
     said = concluded(within=0.001, budget=None)
-    assert "is fine; its error is not known, and its copies scatter by " in said
+    assert (
+        "no setting is shown to meet the request of 0.1 %. Errors are taken from the fine" in said
+    )
+    assert "finest one, fine; its error is not known, and its copies scatter by " in said
     assert "most accurate setting that meets the budget of 2 s is middle" in concluded(budget=2.0)
 
 

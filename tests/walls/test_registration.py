@@ -749,8 +749,9 @@ def of_width(wavelengths):
 
 def test_narrow_overlaps_say_by_what_their_standard_errors_are_too_small():
     (remark,) = registration._width_remarks(of_width(5.0))
-    assert "5 mismatch wavelengths wide" in remark
+    assert "only 5 mismatch wavelengths wide" in remark
     assert "2.4 times as large as these standard errors" in remark
+    assert "taken as 0.014 degrees and (0.0240, 0.0240) mm" in remark
     assert registration._width_remarks(of_width(10.5)) == []
 
 

@@ -271,11 +271,16 @@ class Assessment:
         if not allowed:
             return f"no setting meets {asked}"
         name = min(allowed, key=lambda n: seconds[n] if budget is None else reached[n])
+        time = f"{seconds[name]:.2g} s of processor time"
         error = f"its error is up to {percent(reached[name])}"
         if name == self.ladder[-1]:
             error = f"its error is not known, and its copies scatter by {percent(reached[name])}"
+            if budget is None:
+                return (
+                    f"no setting is shown to meet {asked}. Errors are taken from the finest one, "
+                    f"{name}; {error}, and it takes {time}"
+                )
         best = "cheapest" if budget is None else "most accurate"
-        time = f"{seconds[name]:.2g} s of processor time"
         return f"the {best} setting that meets {asked} is {name}; {error}, and it takes {time}"
 
     def _best_for_mean(self, asked: str) -> str:

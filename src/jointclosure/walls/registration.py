@@ -273,6 +273,7 @@ def registered(
         motion, in_place = _final_position(
             fit, scanned, prepared.both[0], clouds, spacing, shift, unusual_values, report
         )
+    position = len(report)  # remarks on the errors of the position follow here
     overlap = _overlap_after(
         motion, prepared, sampled[1], spacing, largest_filled_share, flat, report
     )
@@ -286,7 +287,7 @@ def registered(
         spacing *= step
     in_frame = fit.orientation == "common_frame" and not flat and (in_place or shift == "scanned")
     pair = _registered_pair(overlap, spacing, fit, motion, in_frame, report)
-    report += _width_remarks(pair)
+    report[position:position] = _width_remarks(pair)
     scale, error = scale_of(*walls)
     differ = scales_differ(scale, error)
     pair = pair._replace(
@@ -797,11 +798,13 @@ def _width_remarks(pair: RegisteredPair) -> list[str]:
     factor = pair.error_factor
     if factor == 1.0 or not pair.motion.covariance.any():
         return []
+    angle, *errors = (factor * error for error in pair.motion.standard_errors())
+    x, y = (f"{1e3 * error:.4f}" for error in errors)
     return [
-        f"the overlap is {pair.mismatch_wavelengths:.2g} mismatch wavelengths wide: in a test, "
-        f"errors of rotation and shift on such walls were {factor:.2g} times as large as these "
-        "standard errors, and the range of the joint has them so "
-        "(docs/two_scans.md#how-the-scans-are-registered)"
+        f"the overlap is only {pair.mismatch_wavelengths:.2g} mismatch wavelengths wide: in a "
+        f"test, errors of rotation and shift on such walls were {factor:.2g} times as large as "
+        f"these standard errors. They are therefore taken as {angle:.3f} degrees and "
+        f"({x}, {y}) mm in the range of the joint (docs/two_scans.md#how-the-scans-are-registered)"
     ]
 
 
