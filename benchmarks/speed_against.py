@@ -143,10 +143,10 @@ def summarised(table: pd.DataFrame) -> pd.DataFrame:
     Curves without breakage follow the rocks.
     """
     rows = []
-    of_study = table[~table.rock.str.startswith("elastic")]
-    of_rock = dict(tuple(table.groupby("rock", sort=False)))
-    elastic = {rock: of_rock.pop(rock) for rock in set(table.rock) - set(of_study.rock)}
-    for rock, joints in (of_rock | {"all": of_study} | dict(sorted(elastic.items()))).items():
+    is_elastic = table.rock.str.startswith("elastic")
+    of_study = table[~is_elastic]
+    by_rock, elastic = (part.groupby("rock", sort=False) for part in (of_study, table[is_elastic]))
+    for rock, joints in [*by_rock, ("all", of_study), *elastic]:
         timed = joints[joints.timed]
         row = {"rock": rock, "timed joints": len(timed)}
         for name in ("here", "other"):

@@ -15,6 +15,7 @@ import xarray as xr
 from jointclosure.inputs import InputError
 from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.load import stated_load
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.files import MAKE_AGAIN, digest
 from jointclosure.walls import CrushedWalls, Walls
@@ -68,7 +69,7 @@ class Case(NamedTuple):
     @property
     def max_normal_stress(self) -> float:
         """Maximum stress of every cycle [Pa]."""
-        return self.checked_conditions.largest_stress
+        return stated_load(self.conditions.max_normal_stress).largest
 
     @property
     def checked_conditions(self) -> CheckedConditions:

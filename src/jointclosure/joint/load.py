@@ -61,10 +61,6 @@ class Load(NamedTuple):
         """Smallest maximum of all cycles [Pa]."""
         return min(cycle.maximum for cycle in self.load_cycles)
 
-    def with_cycles(self, cycles: int) -> "Load":
-        """Return the load with another number of cycles, if all have the same maximum."""
-        return parsed_load(self.stresses, self.is_history, cycles)
-
     @property
     def largest(self) -> float:
         """Largest stress [Pa], of the type in which it was stated."""

@@ -66,7 +66,7 @@ class _Candidates:
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
         force = np.maximum(guess.force[cells], 0.0)
         if self.influence is None or self.few:
-            solution = self._solve_all(start, force, target, _UNKNOWN)
+            solution = self._equilibrium(start, force, target, self.matrix, _UNKNOWN)
             gap = np.full(cells.size, np.nan)
         else:
             field = guess.field
@@ -77,13 +77,18 @@ class _Candidates:
             solution, gap = self._solve_working_set(start, force, inside, target, field)
         return solution._replace(shift=solution.shift + closure), gap
 
-    def _solve_all(
-        self, start: Contacts, force: np.ndarray, target: float, field: np.ndarray
+    def _equilibrium(
+        self,
+        contacts: Contacts,
+        force: np.ndarray,
+        target: float,
+        matrix: np.ndarray | None,
+        field: np.ndarray,
     ) -> Equilibrium:
-        """Solve for all candidates; ``field`` (y, x) [m] is empty or that of the forces."""
+        """Solve for contacts from forces (n,) [N]; ``field`` (y, x) [m] is empty or theirs."""
         joint = self.joint
         solution = solve_equilibrium(
-            self.influence, start, force, target, self.tolerance, self.matrix,
+            self.influence, contacts, force, target, self.tolerance, matrix,
             field=field, space=joint.space_for(int(np.count_nonzero(force))),
         )  # fmt: skip
         joint.coarse_space = solution.space
@@ -108,17 +113,13 @@ class _Candidates:
             some = Contacts._make((*(values[inside] for values in start[:4]), start.substrate))
             contacts, matrix = self.joint.with_matrix(some)
             if matrix is None or not some.cells.size:
-                solution = self._solve_all(start, force, target, field)
+                solution = self._equilibrium(start, force, target, self.matrix, field)
                 gap = start.overlap + solution.shift - solution.interaction
                 break
             slot = near.slots(some.cells)
             guess = np.zeros(contacts.cells.size)
             guess[slot] = force[inside]
-            solution = solve_equilibrium(
-                self.influence, contacts, guess, target, self.tolerance, matrix,
-                space=self.joint.space_for(int(np.count_nonzero(guess))),
-            )  # fmt: skip
-            self.joint.coarse_space = solution.space
+            solution = self._equilibrium(contacts, guess, target, matrix, _UNKNOWN)
             field = _UNKNOWN  # the forces are others now
             newton_steps += solution.newton_steps
             products += solution.products
