@@ -30,7 +30,8 @@ from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.results import CLOSURE_NET
 from jointclosure.walls.gridding import Cloud, Scan, points_of, usual_grid_spacing
 from jointclosure.walls.planes import detrended
-from jointclosure.walls.registration import RegisteredPair, registered
+from jointclosure.walls.registered_pair import RegisteredPair
+from jointclosure.walls.registration import registered
 
 RATIOS = {
     "closure": "ratio",

@@ -12,7 +12,7 @@ from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UN
 from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.parameters.units import in_unit
 from jointclosure.walls.gridding import FLAT
-from jointclosure.walls.registration import ORIENTATIONS, SHIFTS
+from jointclosure.walls.registration_options import ORIENTATIONS, SHIFTS
 from jointclosure.walls.scans import files_of
 from studies.frame.keys import OR_NULL, Distinct, Jrc, Section, Several, Text, entry, made_of
 from studies.frame.settings import SIDES

@@ -16,20 +16,18 @@ from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
-from jointclosure.walls import motion, registration, wall_files
+from jointclosure.walls import motion, plausibility, registration, wall_files
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
 from jointclosure.walls.mating import Mismatch
 from jointclosure.walls.motion import Motion, SlopeFit
 from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
 from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.pair_remarks import width_remarks
 from jointclosure.walls.planes import detrended
-from jointclosure.walls.registration import (
-    ORIENTATIONS,
-    _BestFit,
-    _check_found,
-    _remedy,
-    registered,
-)
+from jointclosure.walls.position_search import BestFit, _remedy, check_found
+from jointclosure.walls.registered_pair import RegisteredPair
+from jointclosure.walls.registration import registered
+from jointclosure.walls.registration_options import ORIENTATIONS
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.wall_files import check_cells, registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
@@ -629,8 +627,8 @@ def test_a_fit_of_slopes_at_which_heights_have_no_position_is_refused():
     middle, fits = np.zeros(3), [SlopeFit("rotated", 0.9, 10.0, np.zeros(2))]
     mated = Motion(np.eye(3), np.eye(3), middle, middle, np.full((3, 3), np.nan))
     with pytest.raises(jc.InputError, match=r"ambiguous: slopes correlate by rotated 0.90 at 10 d"):
-        _check_found(_BestFit("rotated", fits, mated))
-    _check_found(_BestFit("rotated", fits, mated._replace(covariance=np.eye(3))))
+        check_found(BestFit("rotated", fits, mated, []))
+    check_found(BestFit("rotated", fits, mated._replace(covariance=np.eye(3)), []))
 
 
 def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
@@ -641,9 +639,9 @@ def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
 def test_holes_that_were_filled_do_not_count_in_the_slopes_that_a_wall_lost(walls, monkeypatch):
     compared = []
     monkeypatch.setattr(
-        registration.plausibility, "smoothing_of", lambda cloud, wall, *more: compared.append(wall)
+        plausibility, "smoothing_of", lambda cloud, wall, *more: compared.append(wall)
     )
-    monkeypatch.setattr(registration, "_with_side", lambda side, remarks: [])
+    monkeypatch.setattr(registration, "with_side", lambda side, remarks: [])
     upper = 0.6e-3 - walls[0]
     upper[10:13, 10:13] = np.nan
     pair = registered(grid(upper), grid(walls[1]), **AS_SCANNED)
@@ -738,9 +736,9 @@ def of_width(wavelengths):
     wavelength = width / wavelengths if wavelengths else 0.0
     place = np.zeros(3)
     motion = Motion(np.eye(3), np.eye(3), place, place, np.diag([1e-4, 1e-5, 1e-5]) ** 2)
-    pair = dict.fromkeys(registration.RegisteredPair._fields[:16])
+    pair = dict.fromkeys(RegisteredPair._fields[:16])
     walls = np.random.default_rng(0).normal(0.0, 1e-5, (2, 64, 80))
-    return registration.RegisteredPair(**pair | {
+    return RegisteredPair(**pair | {
         "upper": walls[0], "lower": walls[1], "spacing": 0.25e-3, "motion": motion,
         "mated": motion, "first": place[:2], "holes": np.zeros((64, 80), bool),
         "mismatch": Mismatch(wavelength, 0.9 * wavelength, 1.1 * wavelength),
@@ -748,11 +746,11 @@ def of_width(wavelengths):
 
 
 def test_narrow_overlaps_say_by_what_their_standard_errors_are_too_small():
-    (remark,) = registration._width_remarks(of_width(5.0))
+    (remark,) = width_remarks(of_width(5.0))
     assert "only 5 mismatch wavelengths wide" in remark
     assert "2.4 times as large as these standard errors" in remark
     assert "taken as 0.014 degrees and (0.0240, 0.0240) mm" in remark
-    assert registration._width_remarks(of_width(10.5)) == []
+    assert width_remarks(of_width(10.5)) == []
 
 
 def test_errors_of_the_position_on_narrow_overlaps_are_larger_than_those_of_the_fit():
@@ -765,7 +763,7 @@ def test_errors_of_the_position_on_narrow_overlaps_are_larger_than_those_of_the_
 def test_walls_without_a_mismatch_wavelength_keep_the_errors_of_the_fit(wavelengths):
     pair = of_width(wavelengths)
     assert pair.error_factor == 1.0
-    assert registration._width_remarks(pair) == []
+    assert width_remarks(pair) == []
 
 
 @pytest.mark.parametrize(("folder", "width"), [("2", 8.0), ("25", 6.4), ("29", 5.5)])

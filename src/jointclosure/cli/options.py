@@ -23,7 +23,8 @@ from jointclosure.parameters.units import documented, in_unit, to_si
 from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.jrc import RELATIONS
-from jointclosure.walls.registration import ORIENTATIONS, SHIFTS, SPIKES, registered
+from jointclosure.walls.registration import registered
+from jointclosure.walls.registration_options import ORIENTATIONS, SHIFTS, SPIKES
 from jointclosure.walls.synthesis import NORMALISATIONS, RULES
 
 UNITS = (

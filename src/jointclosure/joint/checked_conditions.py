@@ -105,8 +105,11 @@ def check_together(conditions: CheckedConditions) -> None:
 def on_grid(checked: CheckedConditions, spacing: float) -> CheckedConditions:
     """Return checked conditions with the grid spacing [m] that the walls determine.
 
-    Raise `InputError` if it is unusual, or does not fit the other conditions.
+    A stated spacing, which the walls then have, was checked with the conditions. Raise `InputError`
+    if another one is unusual, or does not fit the other conditions.
     """
+    if spacing == checked.spacing:
+        return checked
     if not checked.unusual_values:
         check_usual((), spacing=spacing)
     conditions = checked._replace(spacing=spacing)

@@ -7,7 +7,14 @@ from typing import Any, NamedTuple, Required, TypedDict
 
 import numpy as np
 
-from jointclosure.inputs import InputError, check_count, check_number, check_positive, naming
+from jointclosure.inputs import (
+    InputError,
+    check_count,
+    check_length,
+    check_number,
+    check_positive,
+    naming,
+)
 from jointclosure.inputs.keywords import check_keywords
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.load import usual_seating
@@ -29,7 +36,7 @@ from jointclosure.parameters import (
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import read_text
 from jointclosure.walls import shifted
-from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.synthesis import check_roll_off, wall_pair
 from jointclosure.walls.wall_files import Wall, registered_walls
 
@@ -231,6 +238,9 @@ def asked_joints(
     spacing = given.spacing
     intact = named_rock(given.rock)
     check_rock(intact)
+    if spacing is not None:
+        check_length("spacing", spacing)
+        check_usual((), spacing=spacing)
     points, measured = _read_curve(curve, given, first_loading)
     if given.scans is not None:
         for keyword in ("jrc", "size", "shape", "pair"):

@@ -43,7 +43,7 @@ from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import check_ranges
 from jointclosure.uncertainty.tested_domain import beyond_tested
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
-from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.wall_files import Wall, registered_walls
 from jointclosure.walls.wall_roughness import joint_jrc

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from jointclosure.walls.registration import RegisteredPair
+from jointclosure.walls.registered_pair import RegisteredPair
 
 
 class Domain(NamedTuple):

@@ -27,7 +27,7 @@ class UncertainJoint(NamedTuple):
     them with the grid spacing. ``errors`` are those of scanned walls. ``sources`` are by name;
     a joint without a range has no sources and no ``variants``. ``finest`` are the walls (y, x) [m]
     to which the errors refer: by default ``upper`` and ``lower``, or walls on the finer grid of
-    scans that do not resolve it (`jointclosure.walls.registration.FineWalls`).
+    scans that do not resolve it (`jointclosure.walls.registered_pair.FineWalls`).
     """
 
     upper: np.ndarray

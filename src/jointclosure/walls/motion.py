@@ -14,11 +14,10 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.walls import gridding
-from jointclosure.walls.gridding import Cloud, Scan
+from jointclosure.walls.gridding import Scan
 from jointclosure.walls.mating import slope_correlations
 from jointclosure.walls.missing_heights import fill_dropouts, fill_with_nearest, in_holes
-from jointclosure.walls.planes import plane_through
+from jointclosure.walls.surfaces import Surface, gaussian_sums
 
 # All constants were chosen. With them the errors of 40 pairs of known truth are those that
 # docs/two_scans.md states (`python -m benchmarks.registration`).
@@ -31,7 +30,6 @@ CLEAR = 1.25  # ratio of the best correlation of slopes to the second from which
 FARTHEST = 0.25
 """Largest distance of the corners from the fit on blocks, over half of the longer side, at which a
 refined fit is believed."""
-LEAST_KNOWN_WEIGHT = 0.9  # share of a mean's weights that known heights must have
 SIDE_OVER_WIDEST = 12.0  # shorter side over the width of the first means
 LEAST_WIDTHS = 20.0
 """Shorter side of a wall, in widths of the means, from which errors of a fit are believed. On a
@@ -199,52 +197,6 @@ def _spline_values(spline: np.ndarray, places: np.ndarray) -> np.ndarray:
     The places are y, then x; the coefficients are those of `scipy.ndimage.spline_filter`.
     """
     return scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
-
-
-class Surface(NamedTuple):
-    """Heights (y, x) [m], NaN where missing, of square cells, the first one at ``low`` (x, y)."""
-
-    heights: np.ndarray
-    low: np.ndarray
-    spacing: float
-    slopes: tuple[float, float]
-
-    @property
-    def middle(self) -> np.ndarray:
-        """Middle (x, y, z) of the wall [m]."""
-        size = np.array(self.heights.shape[::-1]) - 1.0
-        return np.append(self.low + 0.5 * self.spacing * size, np.nanmean(self.heights))
-
-    @property
-    def plane(self) -> np.ndarray:
-        """Heights (y, x) [m] of its plane, 0 at the first cell."""
-        y, x = np.indices(self.heights.shape) * self.spacing
-        return self.slopes[0] * x + self.slopes[1] * y
-
-    def smoothed(self, width: float) -> np.ndarray:
-        """Return Gaussian means (y, x) [m] of a width in cells, NaN with too few known heights."""
-        level = self.heights - self.plane
-        known = np.isfinite(level)
-        middle = np.nanmean(level)
-        weight = _gaussian(known.astype(float), width, 3.0)
-        sums = _gaussian(np.where(known, level - middle, 0.0), width, 3.0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            means = np.where(weight >= LEAST_KNOWN_WEIGHT, sums / weight, np.nan)
-        return means + middle + self.plane
-
-
-def surface_of(points: np.ndarray, spacing: float) -> Surface:
-    """Return points (n, 3) [m], NaN where a height is missing, on a grid."""
-    plane = plane_through(*points[np.isfinite(points[:, 2])].T)
-    slopes = (plane.slope_x, plane.slope_y)
-    low = points[:, :2].min(axis=0)
-    bare = Surface(gridding.wall_on_grid(Cloud(points), spacing), low, spacing, slopes)
-    offset = float(plane.at(low[0], low[1]))
-    return bare._replace(heights=bare.heights + bare.plane + offset)
-
-
-def _gaussian(values: np.ndarray, width: float, truncate: float) -> np.ndarray:
-    return scipy.ndimage.gaussian_filter(values, width, mode="constant", truncate=truncate)
 
 
 def _rotated(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -523,12 +475,12 @@ def _motion_covariance(
 
 def _wide_means(columns: np.ndarray, used: np.ndarray, width: float) -> np.ndarray:
     """Return Gaussian means of columns (n, k) over the used points of a grid (y, x)."""
-    weight = _gaussian(used.astype(float), width, 2.5)[used]
+    weight = gaussian_sums(used.astype(float), width, 2.5)[used]
     means = np.empty_like(columns)
     field = np.zeros(used.shape)
     for number, values in enumerate(columns.T):
         field[used] = values
-        means[:, number] = _gaussian(field, width, 2.5)[used] / weight
+        means[:, number] = gaussian_sums(field, width, 2.5)[used] / weight
     return means
 
 

@@ -1,4 +1,7 @@
-"""Overlap of two clouds of points in one frame, z upwards: walls where both are known.
+"""Overlap of two clouds of points in one frame: walls where both are known.
+
+Points have z upwards. `overlap_of` turns the heights of the upper wall, at one place: those of an
+`Overlap`, as of all registered walls, count towards the other wall.
 
 Holes are taken out of contact: closures of 14 joints were 0.94 to 1.03 times those without holes;
 filled between their rims, 0.95 to 1.8 times, as the fill lacks waves that the walls share.
@@ -22,22 +25,52 @@ MOST_FILLED = 0.9  # largest share of holes whatever the stated one is: some cel
 
 
 class Overlap(NamedTuple):
-    """Walls where both are known, less their common plane, z upwards."""
+    """Walls where both are known, less their common plane; arrays are (y, x)."""
 
-    upper: np.ndarray  # (y, x) [m]
+    upper: np.ndarray  # heights [m] towards the other wall
     lower: np.ndarray
+    upper_holes: np.ndarray  # cells out of contact, as this scan has no height there
+    lower_holes: np.ndarray
     shares: list[float]  # of both scans
     inclination: float  # of the common plane [degrees]
     relative: float  # inclination of the walls to each other [degrees]
-    holes: np.ndarray  # cells (wall, y, x) out of contact
     cut: int  # cells of holes that are left out
     box: tuple[np.ndarray, np.ndarray]  # corners (x, y) of the area that both scans cover
     first: np.ndarray  # place (x, y) of the first cell
 
     @property
+    def holes(self) -> np.ndarray:
+        """Cells (y, x) in which either scan has no height."""
+        return self.upper_holes | self.lower_holes
+
+    @property
+    def gap(self) -> np.ndarray:
+        """Height (y, x) [m] of the upper wall above the lower one, below 0 where it lies lower."""
+        return -(self.upper + self.lower)
+
+    @property
     def parallel_walls(self) -> Walls:
-        """Both walls (y, x) [m], with heights towards the other one, each less its own plane."""
-        return detrended(-self.upper), detrended(self.lower)
+        """Both walls (y, x) [m], each less its own plane."""
+        return detrended(self.upper), detrended(self.lower)
+
+    def every_node(self, step: int) -> "Overlap":
+        """Return the overlap on a grid of which one node in ``step`` is kept along each axis."""
+        fields = ("upper", "lower", "upper_holes", "lower_holes")
+        return self._replace(**{name: getattr(self, name)[::step, ::step] for name in fields})
+
+    def with_flat_wall(self, side: str) -> "Overlap":
+        """Make the wall of a side exactly flat, and count all holes to the other wall.
+
+        The other one is kept, and has in holes the sum of both, so that the gap stays.
+        """
+        flat = np.zeros(self.upper.shape)
+        none = np.zeros_like(self.holes)
+        together = self.upper + self.lower
+        if side == "upper":
+            lower = np.where(self.holes, together, self.lower)
+            return self._replace(upper=-flat, lower=lower, upper_holes=none, lower_holes=self.holes)
+        upper = np.where(self.holes, together, self.upper)
+        return self._replace(upper=upper, lower=flat, upper_holes=self.holes, lower_holes=none)
 
 
 def overlap_of(
@@ -91,14 +124,17 @@ def overlap_of(
         rectangle = largest_rectangle(covered & ~inside)
     cut = int(inside.sum() - inside[rectangle].sum())
     _check_size(inside[rectangle].shape, spacing, f"; {cut} cells lie in holes" if cut else "")
-    kept = np.array(holes)[:, *rectangle]
-    walls = _fill_holes(walls[0][rectangle], walls[1][rectangle], kept)
+    upper_holes, lower_holes = (hole[rectangle] for hole in holes)
+    walls = _fill_holes(walls[0][rectangle], walls[1][rectangle], upper_holes, lower_holes)
     shares = [float(min(walls[0].size * spacing**2 / np.prod(b - a), 1.0)) for a, b in corners]
     planes = [wall - detrended(wall) for wall in walls]
     slopes = [np.array([plane[1, 0], plane[0, 1]]) - plane[0, 0] for plane in planes]
     relative = float(np.degrees(np.hypot(*(slopes[0] - slopes[1])) / spacing))
     first = nodes[rectangle[0].start, rectangle[1].start]
-    return Overlap(walls[0], walls[1], shares, inclination, relative, kept, cut, (low, high), first)
+    return Overlap(
+        -walls[0], walls[1], upper_holes, lower_holes, shares, inclination, relative, cut,
+        (low, high), first,
+    )  # fmt: skip
 
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
@@ -156,19 +192,23 @@ def _hole_cells(wall: np.ndarray, reach: float) -> np.ndarray:
     return holes
 
 
-def _fill_holes(upper: np.ndarray, lower: np.ndarray, holes: np.ndarray) -> list[np.ndarray]:
-    """Return walls (y, x) [m], z upwards, whose holes (wall, y, x) are filled without contact.
+def _fill_holes(
+    upper: np.ndarray, lower: np.ndarray, upper_holes: np.ndarray, lower_holes: np.ndarray
+) -> list[np.ndarray]:
+    """Return walls (y, x) [m], z upwards, whose holes (y, x) are filled without contact.
 
     A hole gets the height of the other wall at the largest distance of the walls around it.
     """
-    if not holes.any():
+    either = upper_holes | lower_holes
+    both = upper_holes & lower_holes
+    if not either.any():
         return [upper, lower]
-    upper = np.where(holes[0], np.nan, upper)
-    lower = np.where(holes[1], np.nan, lower)
-    gap = np.where(holes.any(axis=0), -np.inf, upper - lower)
+    upper = np.where(upper_holes, np.nan, upper)
+    lower = np.where(lower_holes, np.nan, lower)
+    gap = np.where(either, -np.inf, upper - lower)
     while np.isinf(gap).any():
         gap = np.where(np.isinf(gap), scipy.ndimage.maximum_filter(gap, 3), gap)
-    if holes.all(axis=0).any():
-        lower = np.where(holes.all(axis=0), fill_missing(lower, "linear", 1.0), lower)
-    upper = np.where(holes[0], lower + gap, upper)
-    return [upper, np.where(holes[1] & ~holes[0], upper - gap, lower)]
+    if both.any():
+        lower = np.where(both, fill_missing(lower, "linear", 1.0), lower)
+    upper = np.where(upper_holes, lower + gap, upper)
+    return [upper, np.where(lower_holes & ~upper_holes, upper - gap, lower)]

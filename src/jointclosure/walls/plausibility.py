@@ -29,12 +29,11 @@ one, from which the walls are interchanged: interchanged walls have 0.998, other
 _SAMPLE = 20_000  # most nodes, and points, that are asked for their neighbours
 
 
-def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
-    """Raise `InputError` if both scans are the same, or if sides or spacing [m] are unusual."""
+def check_scans(upper: Scan | Cloud, lower: Scan | Cloud) -> None:
+    """Raise `InputError` if both scans are the same, or if the length of a side is unusual."""
     clouds = points_of(upper), points_of(lower)
     if np.array_equal(*clouds):
         raise InputError(f"upper and lower: the same scan was given twice; {AS_IT_IS}")
-    check_usual((), spacing=spacing)
     for cloud in clouds:
         for side in np.ptp(cloud[:, :2], axis=0).tolist() if len(cloud) else ():
             check_usual((), side_of_scan=side)

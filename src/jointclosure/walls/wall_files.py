@@ -10,7 +10,9 @@ from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
-from jointclosure.walls.registration import RegisteredPair, check_options, registered
+from jointclosure.walls.registered_pair import RegisteredPair
+from jointclosure.walls.registration import registered_by
+from jointclosure.walls.registration_options import RegistrationOptions
 from jointclosure.walls.scans import read_scan
 
 LARGEST = 1000 * 1000  # most cells of a joint without a stated grid spacing
@@ -29,26 +31,26 @@ def registered_walls(
     """Read and register two walls; the message of an error names their files.
 
     ``scans`` are keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower);
-    ``options`` are those of `registered`. Without a stated ``spacing`` [m] the joint may have
-    `LARGEST` cells.
+    ``options`` are those of `RegistrationOptions`. A stated ``spacing`` [m] was checked before;
+    without one the joint may have `LARGEST` cells.
     """
     for name, value in scans.items():
         if isinstance(value, tuple | list) and len(value) != 2:
             raise InputError(f"{name} = {value!r}: must be one value, or one for each wall")
-    check_options(**options)  # before files are read
+    checked = RegistrationOptions(**options)  # before files are read
     above, below = (
         read_wall(wall, **{k: v[n] if isinstance(v, tuple | list) else v for k, v in scans.items()})
         for n, wall in enumerate((upper, lower))
     )
     if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
-        pair = registered(above, below, spacing, **options)
+        pair = registered_by(checked, above, below, spacing)
     else:
         names = (
             ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
             for wall in (upper, lower)
         )
         with naming(" and ".join(names)):
-            pair = registered(above, below, spacing, **options)
+            pair = registered_by(checked, above, below, spacing)
         pair.report.extend(order_cautions(upper, lower))
     check_cells(pair.upper.shape, pair.spacing, spacing is not None)
     return pair

@@ -1,0 +1,185 @@
+"""Sentences of the report of a registration on the walls that it made."""
+
+import numpy as np
+
+from jointclosure.inputs.remarks import Caution, caution
+from jointclosure.statistics.number_texts import grid_text, percent
+from jointclosure.statistics.standard_errors import CONFIDENCE
+from jointclosure.walls import plausibility
+from jointclosure.walls.mating import Mismatch
+from jointclosure.walls.motion import LEAST_OVERLAP
+from jointclosure.walls.overlap import Overlap
+from jointclosure.walls.registered_pair import RegisteredPair
+
+STEEP_PLANE = 5.0  # inclination of the plane common to both walls from which users are warned [deg]
+STEEP_WEDGE = 1.0  # inclination of the walls to each other from which users are warned [degrees]
+_FAR = 1.5
+"""Closure until one cell in a thousand touches, in standard deviations of the aperture, from which
+the first contact may be a spike."""
+_ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
+
+
+def wall_remarks(pair: RegisteredPair, overlap: Overlap, in_frame: bool) -> list[str]:
+    """Describe the walls of a pair, made of their ``overlap`` on the grid of the joint.
+
+    ``in_frame``: both scans have one frame, in which the walls lie as they were scanned. The report
+    and the scale of the pair are not read.
+    """
+    cells = f"{grid_text(pair.upper.shape, pair.spacing)} (x, y)"
+    shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
+    both = bool(pair.fits)
+    if both:
+        remarks = [
+            f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
+            f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
+            f"removed; the walls were left inclined to each other by {overlap.relative:.3f} "
+            "degrees and are set parallel",
+            f"heights correlate by {pair.correlation:.3f}; {_describe_mating(pair.mismatch)}",
+        ]
+    else:  # one wall is flat and has no waves
+        remarks = [
+            f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; "
+            "its mean plane was removed"
+        ]
+    remarks += _first_touch_remarks(pair.aperture, *pair.first_touch_cell)
+    remarks += map(caution, _overlap_doubts(overlap, both, bool(pair.motion.covariance.any())))
+    if pair.mismatch.wavelength == 0.0 and pair.correlation > _ALIKE:
+        alike = (
+            "the walls fit each other at all wavelengths of the grid, as two scans of one wall "
+            "do; check that the files are of different walls"
+        )
+        remarks.append(caution(alike))
+    return [*remarks, _frame_remark(overlap)] if in_frame else remarks
+
+
+def width_remarks(pair: RegisteredPair) -> list[str]:
+    """Say that standard errors of a fit are too small on walls of few mismatch wavelengths."""
+    factor = pair.error_factor
+    if factor == 1.0 or not pair.motion.covariance.any():
+        return []
+    angle, *errors = (factor * error for error in pair.motion.standard_errors())
+    x, y = (f"{1e3 * error:.4f}" for error in errors)
+    return [
+        f"the overlap is only {pair.mismatch_wavelengths:.2g} mismatch wavelengths wide: in a "
+        f"test, errors of rotation and shift on such walls were {factor:.2g} times as large as "
+        f"these standard errors. They are therefore taken as {angle:.3f} degrees and "
+        f"({x}, {y}) mm in the range of the joint (docs/two_scans.md#how-the-scans-are-registered)"
+    ]
+
+
+def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
+    """Describe the aperture (y, x) [m] at first touch, and how far the first contact stands out."""
+    early = float(np.quantile(aperture, 1e-3))
+    touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+    exact = (
+        "this and the next length are exact for the walls as registered, and the range of the "
+        "results has other positions of them"
+    )
+    spike = (
+        "the first contact stands out far and may be a remaining spike; use closures since "
+        "seating, not those from first touch"
+    )
+    return [
+        f"at first touch, at cell (x, y) = ({x}, {y}), the mean aperture is "
+        f"{1e3 * aperture.mean():.3g} mm; {exact}",
+        caution(spike, f"{touches}: ") if early > _FAR * aperture.std() else touches,
+    ]
+
+
+def _frame_remark(overlap: Overlap) -> str:
+    """Describe the mean distance of walls in one frame, or say that it is not known.
+
+    Walls with one zero of heights hardly overlap in the order in which they are given, or nearly
+    everywhere if they are interchanged. In other scans neither is so.
+    """
+    gaps = overlap.gap
+    gap = float(np.mean(gaps))
+    where = f"{1e3 * abs(gap):.3g} mm {'above' if gap > 0.0 else 'below'} the lower one"
+    lies = f"in the scans the upper wall lies {where} in the mean"
+    below = float(np.mean(gaps < 0.0))
+    if below > plausibility.INTERCHANGED:
+        return caution("the walls are interchanged or heights count downwards", f"{lies}: ")
+    if below < 1.0 - plausibility.INTERCHANGED:
+        return lies
+    return caution(
+        "the scans have no common zero of heights, as each wall lies partly below the other: the "
+        "data do not show whether the files are interchanged, in which case the aperture would be "
+        "that of other walls; check that the first file is the upper wall"
+    )
+
+
+def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
+    """Describe holes, unusual overlap and inclinations.
+
+    ``both``: neither wall is flat; ``best_fit``: they are in the position of best fit.
+    """
+    doubts = []
+    share = 100.0 * max(overlap.shares)
+    size = overlap.upper.size
+    lost = int(overlap.holes.sum())
+    if lost > 0:
+        upper, lower = (int(part.sum()) for part in (overlap.upper_holes, overlap.lower_holes))
+        doubts.append(
+            f"{lost} of {size} cells ({percent(lost / size)}) lie in holes of a scan "
+            f"({upper} of the upper, {lower} of the lower); they were taken out of contact, with "
+            "the largest aperture of those around them"
+        )
+    if overlap.cut > 0:
+        doubts.append(
+            f"{overlap.cut} cells in large holes of a scan were left out: the joint is the largest "
+            f"rectangle without such holes, {share:.0f} % of the smaller scan"
+        )
+    if both and max(overlap.shares) < LEAST_OVERLAP:
+        question = (
+            ", even in the position of best fit: are the scans of the same part of the joint?"
+            if best_fit
+            else ": are the scans in one frame? (--shift mated moves them to the best fit)"
+        )
+        doubts.append(
+            f"the walls overlap in {share:.0f} % of the smaller scan, less than "
+            f"{100.0 * LEAST_OVERLAP:.0f} %{question}"
+        )
+    if overlap.inclination > STEEP_PLANE:
+        doubts.append(
+            f"the {'common plane' if both else 'plane'} is inclined by "
+            f"{overlap.inclination:.1f} degrees, more than {STEEP_PLANE:g}; it was removed along "
+            "z, so that heights are not normal to it; turn the scans"
+        )
+    if both and overlap.relative > STEEP_WEDGE:
+        doubts.append(
+            f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
+            f"{STEEP_WEDGE:g}; walls of one joint are about parallel"
+        )
+    return doubts
+
+
+def _describe_mating(mismatch: Mismatch) -> str:
+    """Describe at which wavelengths walls are mated."""
+    if mismatch.wavelength == 0.0:
+        return "the walls are mated at all wavelengths of the grid"
+    if np.isinf(mismatch.wavelength):
+        return "the walls are mated at no wavelength"
+    low = f"{1e3 * mismatch.low:.3g}" if mismatch.low > 0.0 else "the grid's shortest"
+    high = f"{1e3 * mismatch.high:.3g} mm" if np.isfinite(mismatch.high) else "the walls' length"
+    return (
+        f"the walls are mated at wavelengths beyond {1e3 * mismatch.wavelength:.3g} mm (mismatch "
+        f"wavelength, where they correlate by 0.5; {100 * CONFIDENCE:g} % interval {low} to {high})"
+    )
+
+
+def coarser_grid_caution(spacing: float, step: int) -> Caution:
+    """State that a joint has a coarser grid than the usual one of a spacing [m]."""
+    return caution(
+        f"heights were taken every {1e3 * step * spacing:.4g} mm, which the scans resolve, and not "
+        f"every {1e3 * spacing:.4g} mm. The range has joints of both spacings, with lost "
+        f"waves drawn at random (--spacing {1e3 * spacing:.4g} simulates the joint at that spacing)"
+    )
+
+
+def scale_caution(scale: float, error: float) -> Caution:
+    """Warn of heights of the upper wall whose scale differs from that of the lower wall."""
+    return caution(
+        f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} (standard error) times "
+        "those of the lower one at the waves by which they mate: calibrate both scans. The range "
+        "has walls of one scale, between both"
+    )

@@ -1,0 +1,128 @@
+"""Two registered walls on one grid, with the errors of their registration (`RegisteredPair`)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs.remarks import Caution, cautions
+from jointclosure.walls import Walls
+from jointclosure.walls.mating import Mating, Mismatch
+from jointclosure.walls.motion import Motion, SlopeFit
+from jointclosure.walls.scan_errors import ScanErrors, noise_of
+from jointclosure.walls.scan_quality import MOVED
+
+_WIDTHS = (5.5, 6.4, 8.0, 10.0)
+"""Widths of an overlap [mismatch wavelengths] at which errors of fits were measured."""
+_ERRORS_OF_FITS = (2.4, 1.55, 1.15, 1.0)
+"""Errors of rotation and shift over their standard errors by the fit at these `_WIDTHS` (rms of the
+three errors of 24 pairs of walls each, benchmarks/results/registration_small_*; from 10 on those of
+benchmarks/results/registration). On walls of 4.6 wavelengths they are as at 5.5."""
+
+
+class FineWalls(NamedTuple):
+    """Registered walls on a finer grid than that of the joint, which the scans do not resolve."""
+
+    upper: np.ndarray  # heights (y, x) [m] towards the other wall
+    lower: np.ndarray
+    holes: np.ndarray
+    step: int  # spacing of the joint, in cells of this grid
+
+
+class RegisteredPair(NamedTuple):
+    """Two registered walls on a grid; places are (y, x), except for ``first``."""
+
+    upper: np.ndarray  # heights (y, x) [m] towards the other wall
+    lower: np.ndarray
+    spacing: float  # [m]
+    aperture: np.ndarray  # distance (y, x) [m] at first touch
+    first_touch_cell: tuple[int, int]
+    orientation: str
+    fits: list[SlopeFit]  # the best of each orientation, the best first
+    motion: Motion  # applied to the upper wall
+    mated: Motion | None  # that of best fit
+    correlation: float  # of heights
+    mating: Mating
+    mismatch: Mismatch
+    overlap: float  # share of the smaller scan
+    holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there
+    first: np.ndarray  # place (x, y) [m] of the first cell in the lower scan
+    report: list[str]  # results in sentences
+    fine: FineWalls | None = None
+    waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
+    rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
+    scale: float = 1.0  # heights of the upper wall over those of the lower one, 1 unless clear
+    scan_noise: tuple[tuple[str, float, float], ...] = ()
+    """Name of each scanned wall, and the ends [m] of the 95 % interval of the standard deviation of
+    its white noise, NaN if it is not known (`jointclosure.walls.scan_quality.noise_of_scan`)."""
+
+    @property
+    def warnings(self) -> list[Caution]:
+        """Warnings among the sentences of the report."""
+        return cautions(self.report)
+
+    def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
+        """Return the smallest and largest estimate [m] of the noise of the sum of both walls.
+
+        It comes from the spectra (`noise_of`): all by which the walls depart from each other at the
+        shortest waves of the grid. Part of that may be roughness that is too short for the grid,
+        which interpolation of a turned wall replaces by other roughness. Where the noise of all
+        scans was measured, it is at least that, and that where the spectra show none.
+        """
+        low, high = noise_of(*walls)
+        intervals = np.array([ends for _, *ends in self.scan_noise]).reshape(-1, 2)
+        if not np.isfinite(intervals).all() or not intervals.size:
+            return low, high
+        least, most = np.sqrt((intervals**2).sum(axis=0))
+        return max(low, float(least)), max(high, float(least if high > 0.0 else most))
+
+    @property
+    def mismatch_wavelengths(self) -> float:
+        """Width of the overlap in mismatch wavelengths; infinite if there is no such wavelength."""
+        wavelength = self.mismatch.wavelength
+        if not 0.0 < wavelength < np.inf:
+            return np.inf
+        return min(self.upper.shape) * self.spacing / wavelength
+
+    @property
+    def error_factor(self) -> float:
+        """Factor from standard errors of the fit to those of rotation and shift in `errors`.
+
+        Few waves of the walls fit each other on an overlap of few mismatch wavelengths, and the
+        residuals of the fit show less than its error. The factor was measured (`_ERRORS_OF_FITS`).
+        """
+        return float(np.interp(self.mismatch_wavelengths, _WIDTHS, _ERRORS_OF_FITS))
+
+    @property
+    def finest(self) -> FineWalls:
+        """Walls on the finest grid of the scans, to which the ``errors`` refer.
+
+        It is the grid of the joint, unless the scans do not resolve it and the joint has a coarser
+        one.
+        """
+        return self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
+
+    @property
+    def errors(self) -> ScanErrors:
+        """Standard errors of the position, 0 if the walls stayed as scanned, and of the heights.
+
+        Those of the position are those of the fit times the `error_factor`.
+        """
+        fine = self.finest
+        walls = (fine.upper, fine.lower)
+        spacing = self.spacing / fine.step
+        covariance = np.zeros((3, 3))
+        offset = np.zeros(3)
+        if self.mated is not None and np.isfinite(self.motion.covariance).all():
+            scale = np.array([1.0, spacing, spacing])
+            offset = self.motion.difference_to(self.mated) / scale * self.motion.covariance.any()
+            covariance = self.motion.covariance / np.outer(scale, scale) * self.error_factor**2
+        middle = (self.motion.place[:2] - self.first) / spacing
+        noise = self._noise_of_sum(walls)
+        waves = [wave / spacing for wave in self.waves]
+        steps = np.concatenate([np.diff(sum(walls), axis=axis).ravel() for axis in (0, 1)])
+        if self.rounding**2 > MOVED * float(np.mean(steps**2)):
+            noise = max(noise[0], self.rounding), max(noise[1], self.rounding)
+        return ScanErrors(
+            offset, covariance, middle, noise, fine.holes, fine.step,
+            waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)), scale=self.scale,
+        )  # fmt: skip
