@@ -19,7 +19,7 @@ from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.measured.joint_arguments import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, USUAL, Choices, Effects, Numerics, Rock, check_usual
-from jointclosure.parameters.units import documented, in_unit, to_si
+from jointclosure.parameters.units import documented, in_unit, to_si, unit_meant
 from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.jrc import RELATIONS
@@ -55,8 +55,6 @@ _CHOICES: dict[str, Iterable[str]] = {
     "normalise": NORMALISATIONS,
     "rule": RULES,
 }
-_CONFUSED = (1e-3, 1e-6, 1e-9, 1e3, 1e6)
-"""Factors from a value in a confused unit to the unit of its option."""
 PICTURES = (".png", ".pdf", ".svg")
 SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
 """Keywords of `read_scan`; of `registered` besides the spacing, which is one of `Conditions`."""
@@ -284,11 +282,10 @@ def check_usual_options(arguments: argparse.Namespace) -> None:
             except InputError:
                 low, high = (in_unit(end, unit) for end in USUAL[name][:2])
                 number = in_unit(value, unit)
-                likely = [number * factor for factor in _CONFUSED if low <= number * factor <= high]
-                meant = f"is {likely[0]:g} {unit} meant?" if likely else "is the unit right?"
                 raise InputError(
                     f"{names_of(name)[0]} {number:g}: not usual of rock ({low:g} to {high:g} "
-                    f"{unit}); {meant} --unusual-values takes it as it is"
+                    f"{unit}); {unit_meant(number, low, high, unit)} --unusual-values takes it as "
+                    "it is"
                 ) from None
 
 

@@ -13,18 +13,27 @@ from jointclosure.inputs import InputError, check_number, check_positive
 
 SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
 """Units that a configuration may use, in SI."""
-_LIKELY = "MPa", "GPa", "mm", "um"
-"""Units in which values that should be in SI were probably given, the likeliest first."""
+_LIKELY = ("MPa", "GPa", "mm", "um", "Pa", "m")
+"""Units in which values outside their usual range were probably given, the likeliest first."""
 
 
 def unit_meant(value: float, low: float, high: float, unit: str) -> str:
-    """Return the question whether a value [SI] outside the usual range has another unit."""
-    for name in _LIKELY if unit in ("Pa", "m") else ():
-        size = SI_FACTORS[name]
-        if name.endswith(unit) and low <= value * size <= high:
-            return f"is {value:g} {name} meant, {value * size:g} {unit}?"
-        if name.endswith(unit) and low <= value / size <= high:
-            return f"is {value / size:g} {unit} meant?"
+    """Return the question whether a value outside the usual range was given in another unit.
+
+    The value and the range, from ``low`` to ``high``, are in a ``unit`` of `SI_FACTORS`, or have
+    none.
+    """
+    size = SI_FACTORS.get(unit, 1.0)
+    for name in _LIKELY if unit in SI_FACTORS else ():
+        if name[-1] != unit[-1]:  # a stress is no length
+            continue
+        factor = SI_FACTORS[name] / size
+        if low <= value * factor <= high:
+            if size == 1.0:
+                return f"is {value:g} {name} meant, {value * factor:g} {unit}?"
+            return f"is {value * factor:g} {unit} meant?"
+        if low <= value / factor <= high:
+            return f"is {value / factor:g} {unit} meant?"
     return "is the unit right?"
 
 
