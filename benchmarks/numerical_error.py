@@ -42,7 +42,7 @@ from jointclosure.uncertainty.numerical_error import (
     log_scatter,
     numerical_error,
 )
-from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
+from jointclosure.uncertainty.ranged_results import CLOSURE_NET, STIFFNESS
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.uncertainty.variants import COPIES
 

@@ -29,14 +29,21 @@ import xarray as xr
 import jointclosure as jc
 from benchmarks.registration import Truth
 from jointclosure.ensembles.quantities import CURVES, HEADINGS
+from jointclosure.joint.result_tables import columns_of, stress_table
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import columns_of, stress_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.ranged_results import (
+    CLOSURE_NET,
+    CONTACT,
+    KNI,
+    STIFFNESS,
+    VM,
+    results_of,
+)
 from jointclosure.uncertainty.ranges import WIDER
-from jointclosure.uncertainty.results import CLOSURE_NET, CONTACT, KNI, STIFFNESS, VM, results_of
 from jointclosure.uncertainty.scanned_joint import ClosedJoint
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, sources_of
 from jointclosure.uncertainty.tested_domain import TESTED

@@ -22,12 +22,12 @@ import scipy
 
 import jointclosure as jc
 from jointclosure.joint.conditions import RESOLVED, Conditions
+from jointclosure.joint.result_tables import cycle_table
 from jointclosure.joint.simulation import simulate_walls
-from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
-from jointclosure.uncertainty.results import CLOSURE_NET
+from jointclosure.uncertainty.ranged_results import CLOSURE_NET
 from jointclosure.walls.gridding import Cloud, Scan, points_of, usual_grid_spacing
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.registered_pair import RegisteredPair

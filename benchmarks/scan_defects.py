@@ -25,12 +25,12 @@ import scipy
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.conditions import RESOLVED, Conditions
+from jointclosure.joint.result_tables import cycle_table
 from jointclosure.joint.simulation import simulate_walls
-from jointclosure.joint.tables import cycle_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
-from jointclosure.uncertainty.results import CLOSURE_NET
+from jointclosure.uncertainty.ranged_results import CLOSURE_NET
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, wall_on_grid
 from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended

@@ -8,8 +8,8 @@ import pytest
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, Jobs, experiment_named
+from studies.frame.joint_tables import as_table
 from studies.frame.simulation import close_points
-from studies.frame.tables import as_table
 from tests.studied import study_of, tiny
 
 

@@ -6,7 +6,7 @@ import xarray as xr
 from jointclosure.statistics.randomness import generator, seed_of
 from studies.frame.cases import cases_of, wall_name
 from studies.frame.configuration import Configuration
-from studies.frame.tables import join_cases
+from studies.frame.joint_tables import join_cases
 from tests.studied import study_of
 
 ELASTICITIES = {

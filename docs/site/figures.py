@@ -19,7 +19,7 @@ from jointclosure.joint.history import history_of
 from jointclosure.parameters import RESOLVED
 from jointclosure.plotting.assessment import assessment_figure
 from jointclosure.uncertainty.variants import COPIES
-from studies.frame.tables import since_seating
+from studies.frame.joint_tables import since_seating
 
 # isort: split
 from templates import stored

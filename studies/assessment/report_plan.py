@@ -19,7 +19,7 @@ from studies.frame.configuration import Configuration
 from studies.frame.experiments import settings_of
 from studies.frame.settings import Point
 
-FEWEST = 2
+FEWEST_JOINTS = 2
 """Fewest joints of a rock: the error of a mean of one is not known."""
 ENOUGH = 4
 """Joints of all rocks together that are simulated where they take no more than `LEAST_SECONDS`. The
@@ -94,10 +94,10 @@ def _cost(conditions: CheckedConditions) -> float:
 def planned(study: Configuration) -> AssessmentPlan | None:
     """Return the plan of the joints for the report of a study; None without an assessment.
 
-    First the largest scope of settings and effects is taken for which the share allows `FEWEST`
-    joints of every rock. Then as many joints are planned as the share allows. If it allows no scope
-    for every rock, the smallest scope is planned for the first rocks only. Fewer than `ENOUGH`
-    joints become as many where these take at most `LEAST_SECONDS`.
+    First the largest scope of settings and effects is taken for which the share allows
+    `FEWEST_JOINTS` of every rock. Then as many joints are planned as the share allows. If it allows
+    no scope for every rock, the smallest scope is planned for the first rocks only. Fewer than
+    `ENOUGH` joints become as many where these take at most `LEAST_SECONDS`.
     """
     section = study.section_or_none(AssessmentSection)
     if section is None:
@@ -106,7 +106,7 @@ def planned(study: Configuration) -> AssessmentPlan | None:
     whole = study_seconds(study)
     seconds = seconds_by_paper(study)
     allowed = section.share * whole / seconds  # in joints by the paper's steps
-    most = FEWEST if study.study.accuracy else min(section.joints, study.study.realizations)
+    most = FEWEST_JOINTS if study.study.accuracy else min(section.joints, study.study.realizations)
     again = study.flow or study.effects.auto is not None
 
     def costs(scope: "_Scope") -> list[float]:
@@ -115,13 +115,13 @@ def planned(study: Configuration) -> AssessmentPlan | None:
     # a rock without breakage has only one setting of the numerics
     scopes = list(_scopes(max(of_rocks.values(), key=lambda given: len(_ladder_of(given)))))
     for scope in scopes:
-        if FEWEST * sum(costs(scope)) <= allowed:
+        if FEWEST_JOINTS * sum(costs(scope)) <= allowed:
             rocks = list(of_rocks)
             joints = min(most, int(allowed / (sum(costs(scope)) or 1.0)))
             break
     else:
         scope = scopes[-1]
-        joints = FEWEST
+        joints = FEWEST_JOINTS
         of_each = costs(scope)
         fitting = [n for n in range(1, len(of_each)) if joints * sum(of_each[:n]) <= allowed]
         rocks = list(of_rocks)[: max(fitting, default=1)]

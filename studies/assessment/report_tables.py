@@ -35,8 +35,8 @@ from jointclosure.statistics.number_texts import percent
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.statistics.two_level import Interval, change_interval, t_interval
 from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
+from studies.frame.joint_tables import changes_of_cases, in_words, succeeded
 from studies.frame.settings import BASE
-from studies.frame.tables import changes_of_cases, in_words, succeeded
 from studies.paper.closure_tables import estimate_columns
 from studies.paper.report.verdicts import JUMPS, REFERENCE, VERDICT_OF
 
@@ -99,8 +99,8 @@ def assessed_table(
         from that of the study's joints; with standard errors. ``change_percent`` has its 95 %
         interval by Student's t (``_low``, ``_high``; infinite for one joint), and ``gross_percent``
         is that of the mean gross closure, ``stiffness_percent`` that of the (harmonic) mean net
-        chord stiffness. The ``verdict`` on a setting is one of `VERDICTS` by the net and the gross
-        closure of the cycle, or `REFERENCE`. That on effects is the one of
+        chord stiffness. The ``verdict`` on a setting is one of `CHANGE_VERDICTS` by the net and the
+        gross closure of the cycle, or `REFERENCE`. That on effects is the one of
         `jointclosure.assess` by net and gross closure of all cycles, and ``needed_by`` names the
         results that make them needed. Times are those of joints that succeeded. ``remains_points``
         is the change of the share of the

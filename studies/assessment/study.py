@@ -40,10 +40,10 @@ from studies.assessment.section import AssessmentSection
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, Tables, settings_of
+from studies.frame.joint_tables import grouped
 from studies.frame.panels import key, legend_below, point_key
 from studies.frame.scanned_walls import cut_walls, walls_of_files
 from studies.frame.settings import Case, ClosureSettings, Point, walls_of
-from studies.frame.tables import grouped
 from studies.paper.tables_1_to_3 import figure_text
 
 _COLUMNS = 2

@@ -16,9 +16,9 @@ from studies.assessment.study import (
     tabulate_assessment,
 )
 from studies.conftest import points_of, tables_of
+from studies.frame.joint_tables import as_table
 from studies.frame.settings import walls_of
 from studies.frame.simulation import close_points
-from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
 from tests.studied import ROOT, study_of, tiny
 

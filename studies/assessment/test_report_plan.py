@@ -7,7 +7,7 @@ from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.report_plan import (
     COSTLY,
     ENOUGH,
-    FEWEST,
+    FEWEST_JOINTS,
     LEAST_SECONDS,
     planned,
     study_seconds,
@@ -38,7 +38,7 @@ def test_the_joints_take_no_more_than_their_share_or_it_says_so(name, monkeypatc
     monkeypatch.chdir(ROOT)
     study = study_of(read_plain(f"config/{name}"))
     plan = planned(study)
-    assert plan.joints >= FEWEST
+    assert plan.joints >= FEWEST_JOINTS
     assert plan.points
     assert plan.seconds == pytest.approx(expected(study, plan))
     assert plan.study_seconds == pytest.approx(study_seconds(study))
@@ -112,7 +112,7 @@ def test_the_joints_are_the_first_ones_of_the_base_case_of_the_study():
     study = study_of()
     for rock, points in planned(study).points.items():
         base = base_case(study, rock)
-        own = seeds_of(block_settings(study, base, range(FEWEST)))
+        own = seeds_of(block_settings(study, base, range(FEWEST_JOINTS)))
         for point in points:
             settings = point.settings
             assert seeds_of(settings) == own

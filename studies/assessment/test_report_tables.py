@@ -27,7 +27,7 @@ from studies.assessment.report_tables import (
     judged_setting,
 )
 from studies.paper.report.content import assessed, numerical_bias
-from studies.paper.report.tables import with_limits
+from studies.paper.report.page_tables import with_limits
 from studies.paper.report.verdicts import JUMPS, TOO_FEW, verdict_of_cycles
 from tests.studied import study_of
 

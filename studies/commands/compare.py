@@ -23,7 +23,7 @@ from studies.commands import existing, study_of
 from studies.commands.differences import differences
 from studies.frame.cases import ensembles_of
 from studies.frame.configuration import resolved
-from studies.frame.tables import succeeded
+from studies.frame.joint_tables import succeeded
 from studies.paper.closure_tables import ELASTIC, elastic_responses, elasticity_of_response
 from studies.paper.responses import Response, rocks_of
 

@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.cli.options import add_file, writable
-from jointclosure.exports.tables import FIGURES
+from jointclosure.exports.csv_tables import FIGURES
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.history import KINDS
 from jointclosure.joint.interpolation import rising_slopes
@@ -20,7 +20,7 @@ from jointclosure.joint.status import LOADING
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.netcdf import reading_netcdf
 from studies.commands import study_of
-from studies.frame.tables import over_stress, since_seating, succeeded
+from studies.frame.joint_tables import over_stress, since_seating, succeeded
 
 QUANTILES = (0.05, 0.5, 0.95)
 

@@ -51,7 +51,7 @@ def report_page(study: xr.Dataset, tables: Iterable[str], figures: Iterable[str]
     with needs("report", "a report"):
         from jointclosure.cli.report import Picture
         from studies.paper.report.content import Material, content
-        from studies.paper.report.page import render
+        from studies.paper.report.page_rendering import render
     paths = {path.name: path for path in map(Path, tables)}
     stated = read_text(paths["configuration.json"])
     material = Material(

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from jointclosure.assessment.assess import FINEST
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
-from jointclosure.statistics.two_level import FEWEST
+from jointclosure.statistics.two_level import FEWEST_DIFFERENCES
 from jointclosure.uncertainty.expected_cost import relative_cost
 from jointclosure.walls.scans import file_digest
 from studies.frame.configuration import Configuration
@@ -86,14 +86,15 @@ def pool_of(whole: Configuration) -> Configuration:
 def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
     """Return the configurations of a study's ensembles by name, which is that of their folder.
 
-    ``cases`` is the study itself. ``finest`` is added for a requested accuracy: at most `FEWEST`
-    realisations with the finest numerics, without flow, and with all effects that are stated, none
-    of which `effects.auto` leaves out. ``pool`` is added for a study with a pool.
+    ``cases`` is the study itself. ``finest`` is added for a requested accuracy: at most
+    `FEWEST_DIFFERENCES` realisations with the finest numerics, without flow, and with all effects
+    that are stated, none of which `effects.auto` leaves out. ``pool`` is added for a study with a
+    pool.
     """
     study = whole.study
     ensembles = {"cases": whole}
     if study.accuracy:
-        count = min(FEWEST, study.realizations)
+        count = min(FEWEST_DIFFERENCES, study.realizations)
         few = {"realizations": count, "realizations_per_job": None, "pool": None, "accuracy": None}
         ensembles["finest"] = whole._replace(
             study=study._replace(**few),

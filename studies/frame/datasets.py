@@ -12,8 +12,8 @@ from jointclosure.joint.status import FAILURE
 from jointclosure.storage.files import digest
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf
 from studies.frame.checked_files import ForeignFileError, foreign, read_checked, reading_checked
+from studies.frame.joint_tables import join_cases
 from studies.frame.settings import Case, Point
-from studies.frame.tables import join_cases
 
 ROWS = 256
 """Largest number of realisations in memory at a time; so many are compressed together."""

@@ -19,9 +19,9 @@ from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
 from studies.frame.configuration import resolved, sections, written_out
 from studies.frame.experiments import experiment_named
+from studies.frame.joint_tables import as_table
 from studies.frame.settings import seeds_of
 from studies.frame.simulation import close_points
-from studies.frame.tables import as_table
 from studies.frame.yaml_files import ConfigurationError, read_plain, with_places
 from tests.processes import python
 from tests.studied import DEFAULT, ROOT, study_of, tiny

@@ -11,10 +11,10 @@ from jointclosure.joint.simulation import simulate_walls
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from studies.conftest import points_of
 from studies.frame.experiments import experiment_named
+from studies.frame.joint_tables import as_table
 from studies.frame.pilots import described_time, estimate_time, tried
 from studies.frame.settings import joints_of
 from studies.frame.simulation import close_points
-from studies.frame.tables import as_table
 from tests.studied import study_of
 
 TINY = {

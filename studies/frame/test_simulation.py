@@ -24,9 +24,9 @@ from studies.frame.cases import (
 from studies.frame.checked_files import ForeignFileError, read_checked
 from studies.frame.datasets import CURVES, joints_key, of_case, read_joints, write_ensemble
 from studies.frame.experiments import case_point
+from studies.frame.joint_tables import join_cases
 from studies.frame.settings import surface_settings, surfaces_dataset, walls_in, walls_of
 from studies.frame.simulation import close_joints
-from studies.frame.tables import join_cases
 from tests.studied import study_of
 
 ELASTIC = {"substrate": True, "interaction": True, "breakage": False, "gouge": False}

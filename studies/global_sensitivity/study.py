@@ -20,7 +20,7 @@ from studies.global_sensitivity.design import (
     settings_of_rock,
 )
 from studies.global_sensitivity.tables import (
-    QUANTITIES,
+    RESPONSES_AND_LOOP,
     conclusion_tables,
     datasets_by_rock,
     global_elasticity_table,
@@ -210,7 +210,7 @@ def draw_conclusions(tables: Tables, settings: Mapping[str, Any]) -> Figure:
 
 EXPERIMENT = Experiment(
     title="global sensitivity to properties and open choices that vary together",
-    quantities=QUANTITIES,
+    quantities=RESPONSES_AND_LOOP,
     jobs=global_sensitivity_jobs,
     tables={
         "global_sensitivity_indices.csv": tabulate_indices,

@@ -26,7 +26,7 @@ from jointclosure.statistics.variance_indices import (
     variance_indices,
 )
 from jointclosure.statistics.verdicts import frequency
-from studies.frame.tables import gridded
+from studies.frame.joint_tables import gridded
 from studies.global_sensitivity.design import (
     SURFACES,
     Input,
@@ -47,9 +47,9 @@ RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "c
 """Responses with indices. Compliance is among them because nearly infinite stiffnesses would
 dominate a mean of stiffnesses. Residual closure is that of the first cycle, as later cycles have
 hardly any."""
-QUANTITIES = (*RESPONSES, LOOP)
+RESPONSES_AND_LOOP = (*RESPONSES, LOOP)
 """Quantities of the joints."""
-FEWEST = 16
+FEWEST_ROWS = 16
 """Smallest number of rows for indices."""
 GROUPS = 16
 """Number of groups of rows of the jackknife."""
@@ -107,7 +107,7 @@ def datasets_by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
     """Arrange the joints of each rock as a dataset over row, point, surface and cycle."""
     joints = joints.assign(surface=joints.realization - SURFACES * joints.row)
     return {
-        str(rock): gridded(part, ("row", "point", "surface"), QUANTITIES)
+        str(rock): gridded(part, ("row", "point", "surface"), RESPONSES_AND_LOOP)
         for rock, part in joints.groupby("rock", sort=False)
     }
 
@@ -131,14 +131,14 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
 def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Compute first and total indices of inputs from a quarter, half and all of the rows.
 
-    Shares with fewer than `FEWEST` complete rows are left out. Shapley effects are computed from
-    all rows. The rows of the input "surfaces" have the surfaces' share in the variance of a single
-    joint.
+    Shares with fewer than `FEWEST_ROWS` complete rows are left out. Shapley effects are computed
+    from all rows. The rows of the input "surfaces" have the surfaces' share in the variance of a
+    single joint.
     """
     rows = []
     fits = []
     for response in responses_of(sampling, closed):
-        enough = [share for share in (4, 2, 1) if len(response.values) // share >= FEWEST]
+        enough = [share for share in (4, 2, 1) if len(response.values) // share >= FEWEST_ROWS]
         for share in enough:
             number = len(response.values) // share
             points = response.points[:number]

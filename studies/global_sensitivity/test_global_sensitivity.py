@@ -8,8 +8,8 @@ from jointclosure.inputs import InputError
 from jointclosure.parameters.units import to_si
 from studies.frame.cases import base_case, block_settings
 from studies.frame.configuration import configured, merged
+from studies.frame.joint_tables import as_table
 from studies.frame.simulation import close_points
-from studies.frame.tables import as_table
 from studies.frame.yaml_files import read_plain
 from studies.global_sensitivity import tables as sensitivity
 from studies.global_sensitivity.design import keys_at, sampling_of, settings_of_rock
@@ -40,7 +40,7 @@ def world(design):
             own[where] *= 2.0 if at["choices"]["peaks"] == "current" else 1.0
         noise = 1.0 + 0.05 * random.standard_normal((len(points), 1, 2, 1))
         values = own[:, :, None, None] * noise * np.ones(2)
-        parts = {name: (OVER, values.copy()) for name in sensitivity.QUANTITIES}
+        parts = {name: (OVER, values.copy()) for name in sensitivity.RESPONSES_AND_LOOP}
         parts["loop"] = OVER, values * [0.5, 0.0]
         closed[rock] = xr.Dataset(parts, {"row": np.arange(len(points)), "cycle": [1, 2]})
     return closed
@@ -184,7 +184,7 @@ def test_few_rows_that_are_left_have_no_indices(with_failures, design):
 def of_one_row(jobs):
     """Joints of the points of a row as a table, and on a grid."""
     points = [point for point in jobs["slate.0"] if point.coordinates["row"] == 2]
-    joints = as_table([close_points(points, sensitivity.QUANTITIES)])
+    joints = as_table([close_points(points, sensitivity.RESPONSES_AND_LOOP)])
     return joints, sensitivity.datasets_by_rock(joints)["slate"]
 
 

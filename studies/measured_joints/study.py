@@ -38,8 +38,12 @@ from studies.measured_joints.section import MeasuredJointsSection
 
 FILM_CELL = 0.5e-3
 """Spacing of the measured maps of contact stress [m]."""
-QUANTITIES: tuple[str, ...] = ("max_closure_seated_net", "residual_closure_seated_net")
-QUANTITIES += ("stiffness_net", "contact_at_max")
+COMPARED_QUANTITIES = (
+    "max_closure_seated_net",
+    "residual_closure_seated_net",
+    "stiffness_net",
+    "contact_at_max",
+)
 _LOGARITHMIC = ("first_stiffness", "later_closure", "later_stiffness")
 _BEST = 5
 """Number of variants of highest score that are drawn beside the default choices."""
@@ -230,7 +234,7 @@ def _keys(joints: list) -> list[Artist]:
 
 EXPERIMENT = Experiment(
     title="the model beside measured joints",
-    quantities=QUANTITIES,
+    quantities=COMPARED_QUANTITIES,
     jobs=measured_joints_jobs,
     tables={
         "measured_joints.csv": judge_measured_joints,

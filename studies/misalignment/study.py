@@ -28,9 +28,9 @@ from jointclosure.walls.synthesis import (
 )
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, Tables, at_wavelengths
+from studies.frame.joint_tables import grouped, mean_shown
 from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.settings import ClosureSettings, Point, seeds_of
-from studies.frame.tables import grouped, mean_shown
 from studies.misalignment.section import MisalignmentSection
 
 READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")

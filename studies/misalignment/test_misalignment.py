@@ -8,8 +8,8 @@ from jointclosure.inputs import InputError
 from jointclosure.walls.jrc import rms_slope, z2_of_jrc
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.synthesis import spectrum_of, wall_pair
+from studies.frame.joint_tables import gridded
 from studies.frame.settings import seeds_of
-from studies.frame.tables import gridded
 from studies.misalignment.study import EXPERIMENT, mean_changes, rotated_pair, tilted
 from tests.joints import SPACING
 

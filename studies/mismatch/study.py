@@ -20,9 +20,9 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, ratio_of_means
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, Tables, at_wavelengths
+from studies.frame.joint_tables import grouped, mean_shown
 from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.settings import Point
-from studies.frame.tables import grouped, mean_shown
 from studies.mismatch.section import MismatchSection
 
 CLOSURE, RESIDUAL = "max_closure_seated_net", "residual_closure_seated_net"

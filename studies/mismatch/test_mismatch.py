@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.frame.tables import gridded
+from studies.frame.joint_tables import gridded
 from studies.mismatch.study import EXPERIMENT, MEANS, find_independence, tabulate_mismatch
 
 CRITERION = {"tolerance": 0.1, "root_seed": 1}

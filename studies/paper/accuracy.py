@@ -21,15 +21,15 @@ from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.statistics.two_level import (
-    FEWEST,
+    FEWEST_DIFFERENCES,
     Interval,
     best_plan,
     combined,
     two_level_mean,
 )
 from studies.frame.cases import BLOCK, FEW
+from studies.frame.joint_tables import succeeded
 from studies.frame.keys import Accuracy
-from studies.frame.tables import succeeded
 from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 
@@ -44,7 +44,7 @@ class Counts(NamedTuple):
     differences: int
 
 
-START = Counts(BLOCK, FEWEST)
+START = Counts(BLOCK, FEWEST_DIFFERENCES)
 """Counts with which `make study` starts."""
 
 
@@ -85,7 +85,7 @@ def reached_table(
         if math.isfinite(estimate.half_width):
             plan = best_plan(estimate.deviations, seconds, accuracy.within)
             needed = (plan.joints, plan.differences) if plan else needed
-        met = estimate.half_width <= accuracy.within and counts.differences >= FEWEST
+        met = estimate.half_width <= accuracy.within and counts.differences >= FEWEST_DIFFERENCES
         rows.append(
             about
             | counts._asdict()

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from studies.frame.tables import over_stress, succeeded
+from studies.frame.joint_tables import over_stress, succeeded
 
 
 def flow_table(study: xr.Dataset) -> pd.DataFrame:

@@ -12,7 +12,7 @@ from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import Numerics, scene_of
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.standard_errors import Estimate, jackknife_error
-from studies.frame.tables import succeeded
+from studies.frame.joint_tables import succeeded
 from studies.paper.closure_tables import estimate_columns
 from studies.paper.requirements import REPORTED
 
@@ -21,7 +21,7 @@ CLOSURE = "max_closure_seated_net"
 VOLUME_TOLERANCE = 1e-12
 REMARKED = "simulations flagged"
 """Beginning of the names of checks that count joints with a remark."""
-FEWEST = 2
+FEWEST_USED = 2
 """Smallest number of realisations of a case for which a standard deviation exists."""
 
 
@@ -144,7 +144,12 @@ def check_results(
     add("simulations in a status of success", f"{total}", f"{successes}", successes == total)
     least = int(good.sum("realization").min())
     used = "realisations that statistics use, of the case with the fewest"
-    add(used, f"at least {FEWEST} of {realizations}", f"{least}", least >= FEWEST)
+    add(
+        used,
+        f"at least {FEWEST_USED} of {realizations}",
+        f"{least}",
+        least >= FEWEST_USED,
+    )
     force = float(study.least_force.where(good).min())
     add("least force on a cell [N]", "not negative", f"{force:.3g}", force >= 0.0)
     scenes = [scene_of(name) for name in study.scene.values.tolist()]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure import parameters
-from jointclosure.statistics.quadratics import fit_quadratic
+from jointclosure.statistics.quadratics import smoothed_by_all_levels
 from jointclosure.statistics.repetitions import DrawnResponse
 from jointclosure.statistics.standard_errors import Limits
 from jointclosure.statistics.verdicts import FALLS, STANDS, verdict
@@ -66,21 +66,6 @@ class Findings(NamedTuple):
         levels, base, *_ = self.drawn[rock, parameter]
         at_base = int(np.flatnonzero(levels == base)[0])
         return self.means(parameter, rock, cycle, variable)[:, at_base]
-
-
-def smoothed_by_all_levels(
-    levels: np.ndarray, means: np.ndarray, base: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lowest, the middle and the highest of levels (k,), and the means (..., 3) there.
-
-    The means are those of the quadratic, Eq. (24), that is fitted to the means (..., k) of all
-    levels, so that more levels make them more certain. With three levels they are not changed.
-    """
-    three = levels[[0, levels.size // 2, -1]]
-    if levels.size == 3:
-        return three, means
-    fitted = fit_quadratic(levels, means, base)
-    return three, np.stack([fitted.at(level) for level in three], axis=-1)
 
 
 NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"

@@ -14,8 +14,8 @@ from jointclosure.statistics import control_variates, indifference, quadratics
 from jointclosure.statistics import standard_errors as errors
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.statistics.randomness import generator, seed_of
+from studies.frame.joint_tables import since_seating, succeeded
 from studies.frame.settings import BASE
-from studies.frame.tables import since_seating, succeeded
 from studies.paper.claims import NET, TARGET
 from studies.paper.covariates import Covariates, adjustment
 from studies.paper.responses import Response, responses, same_surfaces

@@ -26,9 +26,9 @@ from jointclosure.parameters.units import in_unit
 from jointclosure.plotting.style import BRANCH_LINES, above, panel_grid, styled, subplots, ticks_at
 from jointclosure.plotting.walls import FIRST_TOUCH, draw_field
 from jointclosure.statistics.number_texts import percent
+from studies.frame.joint_tables import since_seating, succeeded
 from studies.frame.panels import key, legend_below, legend_keys, point_key
 from studies.frame.rocks import StudyRock
-from studies.frame.tables import since_seating, succeeded
 from studies.paper.closure_tables import CHANGE, FIT_COLUMNS, best_fits
 from studies.paper.simulated_again import simulate_again
 from studies.paper.tables_1_to_3 import UNPAIRED_TEST, figure_text, roughness_title, test_name

@@ -21,7 +21,7 @@ from jointclosure.joint.cycle_results import loop_between
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics import repetitions as repeated
 from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.quadratics import Quadratic, fit_quadratic
+from jointclosure.statistics.quadratics import Quadratic, fit_quadratic, smoothed_by_all_levels
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import CONFIDENCE, Estimate, Limits, confidence_limits
 from jointclosure.statistics.verdicts import UNDECIDED, Frequency, frequency
@@ -34,7 +34,6 @@ from studies.paper.claims import (
     TARGET,
     Claim,
     Findings,
-    smoothed_by_all_levels,
 )
 from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivities
 

@@ -5,12 +5,17 @@ import pandas as pd
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 from studies.paper.claims import OURS
 from studies.paper.conclusions import UNJUDGED
-from studies.paper.report.page import text
-from studies.paper.report.tables import concluded, probability
+from studies.paper.report.page_rendering import text
+from studies.paper.report.page_tables import concluded, probability
 from studies.paper.tables_1_to_3 import markdown_rows, table_3
 
 COLUMNS = ["number", "claim", "verdict", "found", "choices", "conclusion"]
-VERDICTS = {STANDS: "stand", FALLS: "fall", UNDECIDED: "undecided", NO_DIFFERENCE: "no difference"}
+VERDICT_WORDS = {
+    STANDS: "stand",
+    FALLS: "fall",
+    UNDECIDED: "undecided",
+    NO_DIFFERENCE: "no difference",
+}
 REST = "not judged"
 
 
@@ -40,8 +45,10 @@ def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
         claims.conclusion,
         averaged.reindex(claims.index),
     )
-    counts = [column.map(VERDICTS).fillna(REST).value_counts() for column in columns]
-    return {word: [int(of.get(word, 0)) for of in counts] for word in (*VERDICTS.values(), REST)}
+    counts = [column.map(VERDICT_WORDS).fillna(REST).value_counts() for column in columns]
+    return {
+        word: [int(of.get(word, 0)) for of in counts] for word in (*VERDICT_WORDS.values(), REST)
+    }
 
 
 def p(row: dict, name: str = "p") -> str:

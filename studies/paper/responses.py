@@ -14,8 +14,8 @@ from jointclosure.statistics.indifference import (
     paired_indifference_interval,
 )
 from jointclosure.statistics.repetitions import Pool, Sensitivity
+from studies.frame.joint_tables import succeeded
 from studies.frame.settings import BASE
-from studies.frame.tables import succeeded
 from studies.paper.covariates import Covariates, adjustment
 
 

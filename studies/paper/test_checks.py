@@ -14,9 +14,9 @@ from jointclosure.joint.status import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPE
 from studies.frame.cases import block_settings, cases_of, closed_keys
 from studies.frame.datasets import of_case
 from studies.frame.experiments import case_point
+from studies.frame.joint_tables import join_cases, since_seating
 from studies.frame.settings import walls_of
 from studies.frame.simulation import close_joints
-from studies.frame.tables import join_cases, since_seating
 from studies.frame.test_simulation import NAMES, point_of
 from studies.paper import figures
 from studies.paper.apertures import flow_table

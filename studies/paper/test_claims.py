@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from jointclosure.joint.status import FAILURE
+from jointclosure.statistics.quadratics import smoothed_by_all_levels
 from jointclosure.statistics.repetitions import Design, DrawnResponse
 from jointclosure.storage.files import read_csv
 from studies.frame.cases import pool_of
@@ -17,10 +18,9 @@ from studies.paper.claims import (
     TARGET,
     TOLERANCE,
     Findings,
-    smoothed_by_all_levels,
 )
 from studies.paper.judged_claims import ClosedModel, Evidence, judge_claims
-from studies.paper.report.tables import percent_text
+from studies.paper.report.page_tables import percent_text
 from studies.paper.responses import Levels, RockSample
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world

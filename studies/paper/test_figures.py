@@ -9,7 +9,7 @@ from matplotlib.text import Text
 from jointclosure.plotting.style import subplots
 from jointclosure.statistics.repetitions import Design
 from studies.frame.cases import pool_of
-from studies.frame.tables import since_seating
+from studies.frame.joint_tables import since_seating
 from studies.paper import figures as plotting
 from studies.paper.closure_tables import indifference_table, max_closure_table
 from studies.paper.predictive import lengths_dataset, predictive

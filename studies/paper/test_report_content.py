@@ -16,8 +16,8 @@ from studies.frame.keys import json_schema
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper.closure_tables import max_closure_table
 from studies.paper.report import content as report
-from studies.paper.report.page import render, sheet
-from studies.paper.report.tables import About, base_closures, hardest
+from studies.paper.report.page_rendering import render, sheet
+from studies.paper.report.page_tables import About, base_closures, hardest
 from studies.paper.tables_1_to_3 import (
     closure_lines,
 )

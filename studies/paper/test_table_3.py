@@ -28,7 +28,7 @@ from studies.paper.predictive import (
     predictive,
     predictive_table,
 )
-from studies.paper.report.tables import predicted
+from studies.paper.report.page_tables import predicted
 from studies.paper.responses import responses
 from tests.studied import study_of
 from tests.world import ELASTICITIES, world

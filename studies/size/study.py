@@ -26,10 +26,10 @@ from jointclosure.walls.planes import detrended
 from studies.frame.cases import base_case
 from studies.frame.configuration import Configuration
 from studies.frame.experiments import Experiment, Tables, settings_of
+from studies.frame.joint_tables import gridded
 from studies.frame.keys import Grid
 from studies.frame.panels import PanelColumn, Row, panels
 from studies.frame.settings import ClosureSettings, Point, walls_of
-from studies.frame.tables import gridded
 from studies.size.section import SizeSection
 
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
@@ -54,7 +54,7 @@ JUDGED = (
     "residual_closure_seated_net",
     "stiffness_net",
 )
-FEWEST = 6
+FEWEST_REALIZATIONS = 6
 """Smallest number of realisations with a quantity at every size for which a scaling is tested."""
 BETWEEN = ("sizes", "sizes and spectra")
 """Joints that a scaling should make equal: sizes of one spectrum, or of all spectra."""
@@ -175,7 +175,7 @@ def collapse_table(
     Scalings are tested on realisations to which they were not fitted. ``removed_percent`` is the
     share of the mean square spread that is removed, ``left_percent`` the rms of ratios to the mean.
     ``largest_off_percent`` is the rms error (over spectra and spacings) of the largest patch, when
-    it is predicted by fits without it. Numbers are NaN if fewer than `FEWEST` realisations have the
+    it is predicted by fits without it. Numbers are NaN if fewer than `FEWEST_REALIZATIONS` have the
     quantity at every size. ``roll_offs`` [m] are by spectrum.
     """
     rows = []
@@ -197,7 +197,7 @@ def collapse_table(
 def _row(joints: xr.Dataset, groups: np.ndarray, names: tuple[str, ...]) -> dict:
     """Fit and test a scaling between the conditions of each group."""
     surfaces = joints.sizes["realization"]
-    if surfaces < FEWEST:
+    if surfaces < FEWEST_REALIZATIONS:
         return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(NUMBERS, np.nan)
     predictors = predictors_of(joints, names)
     response = joints.response.values

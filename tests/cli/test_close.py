@@ -14,16 +14,16 @@ from PIL import Image
 import jointclosure as jc
 from jointclosure.cli import main as cli
 from jointclosure.cli import report
-from jointclosure.cli.results import summary, with_bands
+from jointclosure.cli.command_results import summary, with_bands
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.exports.loading import loading_remark
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint import conditions
+from jointclosure.joint.result_tables import stress_table
 from jointclosure.joint.rocks import named_rock
-from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty import scanned_joint
-from jointclosure.uncertainty.results import QUANTITIES
+from jointclosure.uncertainty.ranged_results import RANGED_RESULTS
 from jointclosure.uncertainty.sources import ALL
 from jointclosure.walls.registration import registered
 from tests.cli.conftest import leave_undrawn
@@ -291,7 +291,7 @@ def test_all_files_are_of_the_joint_as_it_was_closed(scans, tmp_path, command):
             assert last[along] == pytest.approx(of_cycle[name], rel=1e-4)
             assert results[cycle, name]["best"] == pytest.approx(of_cycle[name], rel=1e-6)
             assert last[f"{along}_low"] <= last[along] <= last[f"{along}_high"]
-            assert record["table"][f"cycle {cycle}"][QUANTITIES[name]].startswith(
+            assert record["table"][f"cycle {cycle}"][RANGED_RESULTS[name]].startswith(
                 results[cycle, name]["text"].split()[0]
             )
 
@@ -426,7 +426,7 @@ def test_an_aperture_that_is_zero_within_rounding_is_shown_as_none(joint):
     shut["mean_aperture"] = 1e-21 + 0.0 * shut.mean_aperture
     text, record = summary(shut, joint.laws, stress_table(shut), at=[1e6])
     assert "mm on average over all cells, and no aperture is left: the model of" in text
-    assert record["table"]["cycle 1"][QUANTITIES["mean_aperture_at_max_mm"]] == "0"
+    assert record["table"]["cycle 1"][RANGED_RESULTS["mean_aperture_at_max_mm"]] == "0"
     assert record["at"][0]["mean aperture (mm)"] == "0"
     assert "e-18" not in text
 

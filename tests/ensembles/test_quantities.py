@@ -12,11 +12,11 @@ from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.history import history_of
+from jointclosure.joint.result_tables import cycle_table
 from jointclosure.joint.simulation import simulate_walls
-from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.fast import BAND
-from studies.frame.tables import mean_shown
+from studies.frame.joint_tables import mean_shown
 
 LARGEST, HALF = 20e6, 10e6
 SLATE = jc.Rock(youngs_modulus=66e9, poisson_ratio=0.25, compressive_strength=159e6)

@@ -12,7 +12,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.cli.results import _flow_remarks, summary
+from jointclosure.cli.command_results import _flow_remarks, summary
 from jointclosure.exports import loading
 from jointclosure.exports.geos import OPENING_SLOPE, geos_barton_bandis, geos_files
 from jointclosure.exports.joint_files import joint_files
@@ -24,7 +24,7 @@ from jointclosure.joint import flow
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import fitted_laws, law_curves, laws_of_joint, loading_hyperbolas
-from jointclosure.joint.tables import (
+from jointclosure.joint.result_tables import (
     TRANSMISSIVITIES,
     WATER,
     curve_table,

@@ -12,7 +12,7 @@ from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import (
     law_curves,
 )
-from jointclosure.joint.tables import curve_table, cycle_table, stress_table
+from jointclosure.joint.result_tables import curve_table, cycle_table, stress_table
 from tests import joints
 from tests.joint.test_laws import LARGEST, SEATING, TRUE, following
 from tests.joints import COARSE, SPACING, on_softer_half_spaces, pair

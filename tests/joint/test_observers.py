@@ -9,7 +9,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.joint.flow import DIRECTIONS, FLOWS, flow_along
-from jointclosure.joint.tables import curve_table, cycle_table, stress_table
+from jointclosure.joint.result_tables import curve_table, cycle_table, stress_table
 from tests import joints
 from tests.joints import ELASTIC, SPACING, pair
 

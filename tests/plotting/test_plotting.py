@@ -10,7 +10,7 @@ from PIL import Image
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
-from jointclosure.joint.tables import stress_table
+from jointclosure.joint.result_tables import stress_table
 from jointclosure.plotting import snapshots
 from jointclosure.plotting.joint import closure_curve, engineering_figure
 from jointclosure.plotting.style import percent_ticks, subplots

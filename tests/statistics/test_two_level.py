@@ -6,7 +6,7 @@ import scipy.stats
 
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.two_level import (
-    FEWEST,
+    FEWEST_DIFFERENCES,
     Interval,
     best_plan,
     change_interval,
@@ -133,7 +133,7 @@ def test_a_plan_keeps_its_width(deviations):
 @SCATTERS
 def test_a_plan_has_differences_enough_for_their_scatter(deviations):
     plan = best_plan(deviations, SECONDS, 0.05)
-    assert FEWEST == 8 <= plan.differences <= plan.joints
+    assert FEWEST_DIFFERENCES == 8 <= plan.differences <= plan.joints
 
 
 @SCATTERS
@@ -142,10 +142,10 @@ def test_a_plan_keeps_its_budget(deviations):
     for budget in (0.7 * plan.seconds, plan.seconds, 3.0 * plan.seconds):
         bought = best_plan(deviations, SECONDS, 1e-9, budget)
         if bought is None:
-            assert budget < FEWEST * sum(SECONDS)
+            assert budget < FEWEST_DIFFERENCES * sum(SECONDS)
             continue
         assert bought.seconds <= budget
-        assert bought.differences >= FEWEST
+        assert bought.differences >= FEWEST_DIFFERENCES
 
 
 def test_a_positive_result_decreases_by_no_less_than_all_of_it():

@@ -13,7 +13,7 @@ from jointclosure.uncertainty.numerical_error import (
     log_scatter,
     numerical_error,
 )
-from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
+from jointclosure.uncertainty.ranged_results import CLOSURE_NET, STIFFNESS
 
 
 def stated(values=(1.0, 1.0, 1.0), jump=0.0, quantity=CLOSURE_NET, cycle=1):

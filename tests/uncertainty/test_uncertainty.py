@@ -8,14 +8,14 @@ import pytest
 import scipy
 
 import jointclosure as jc
-from jointclosure.cli.results import summary
+from jointclosure.cli.command_results import summary
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.laws import laws_of_joint
 from jointclosure.joint.load import stated_load
+from jointclosure.joint.result_tables import ENDS, cycle_table, stress_table
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import FAILURE
-from jointclosure.joint.tables import ENDS, cycle_table, stress_table
 from jointclosure.plotting.joint import engineering_figure, range_figure
 from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty import ranges as ranges_module
@@ -25,6 +25,15 @@ from jointclosure.uncertainty.numerical_error import (
     numerical_error,
     numerical_errors_of,
 )
+from jointclosure.uncertainty.ranged_results import (
+    APERTURE,
+    CLOSURE_GROSS,
+    CLOSURE_NET,
+    KNI,
+    RANGED_RESULTS,
+    STIFFNESS,
+    VM,
+)
 from jointclosure.uncertainty.ranges import (
     NUMBERS,
     WIDENED,
@@ -33,15 +42,6 @@ from jointclosure.uncertainty.ranges import (
     bands_of,
     ranges_of,
     total_indices,
-)
-from jointclosure.uncertainty.results import (
-    APERTURE,
-    CLOSURE_GROSS,
-    CLOSURE_NET,
-    KNI,
-    QUANTITIES,
-    STIFFNESS,
-    VM,
 )
 from jointclosure.uncertainty.sources import (
     ALL,
@@ -56,7 +56,7 @@ from jointclosure.uncertainty.uncertain_joint import (
     threads_for,
     uncertain_joint,
 )
-from jointclosure.uncertainty.variants import DRAWS, SEED, random_shares, variants_of
+from jointclosure.uncertainty.variants import RANDOM_JOINTS, SEED, random_shares, variants_of
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair
@@ -65,7 +65,7 @@ from tests.studied import ROOT
 CONDITIONS = jc.Conditions(
     SPACING, DOLERITE, 2e6, 1, 0.2e6, choices=jc.Choices(strength_bound="none")
 ).checked()
-CLOSURE = next(iter(QUANTITIES))
+CLOSURE = next(iter(RANGED_RESULTS))
 MODULI = {"youngs_modulus": (50e9, 90e9)}
 
 
@@ -119,7 +119,7 @@ def test_named_stresses_have_ranges_with_other_choices_too(budget):
     low, high = (at_maximum[f"closure_net_since_seating_mm_{end}"] for end in WIDER)
     assert [float(end) for end in row[title].split(" to ")] == pytest.approx([low, high], rel=0.1)
     # the result at the maximum stress has the same text in the table
-    assert row[title] == answer["with_other_choices"]["cycle 1"][QUANTITIES[CLOSURE_NET]]
+    assert row[title] == answer["with_other_choices"]["cycle 1"][RANGED_RESULTS[CLOSURE_NET]]
     assert row["cycle"] == usual["cycle"]
     assert f"The same, {budget.wider_title()}" in text
     single = summary(budget_joint(), NO_LAWS, stress_table(budget_joint()), None, [2e6])[1]
@@ -187,27 +187,29 @@ def test_a_source_that_is_fixed_in_the_random_joints_has_no_part_in_their_depart
 def range_of(widths, scatter=0.0, seed=0):
     """The range of log(result/2) = sum of u width + noise, with u uniform in (-1, 1)."""
     sources = {name: Source((0.0, 1.0), "range") for name in widths}
-    shares, further = (random_shares(sources, n, seed) for n in (DRAWS, 10_000))
+    shares, further = (random_shares(sources, n, seed) for n in (RANDOM_JOINTS, 10_000))
     widest = np.array(list(widths.values()))
-    noise = scatter * np.random.default_rng(seed).standard_normal(DRAWS)
+    noise = scatter * np.random.default_rng(seed).standard_normal(RANDOM_JOINTS)
     logs = [0.0, *(end for width in widest for end in (-width, width))]
     logs += list((2.0 * shares - 1.0) @ widest + noise)
-    names = ["", *(name for name in widths for _ in "ab"), *[ALL] * DRAWS]
-    values = dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+    names = ["", *(name for name in widths for _ in "ab"), *[ALL] * RANDOM_JOINTS]
+    values = dict.fromkeys(RANGED_RESULTS, 2.0 * np.exp(logs))
     results = pd.DataFrame({"cycle": 1, "source": names} | values)
     return ranges_of(results, sources, shares, further).iloc[0]
 
 
 def test_variants_of_another_tolerance_are_compared_with_the_joint_that_has_it():
     sources = {"breakage": Source((0, 1), SHARED), "a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 10_000))
     shares[:, 0] = 0.5
-    names = ["", "breakage", "a", "a", *[ALL] * DRAWS]
+    names = ["", "breakage", "a", "a", *[ALL] * RANDOM_JOINTS]
     changes = np.concatenate([[0.0, 0.0, -1.0, 1.0], 2.0 * shares[:, 1] - 1.0])
 
     def ends(factor, further):
         values = 2.0 * np.exp(changes) * np.where(np.array(names) == "", 1.0, factor)
-        results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+        results = pd.DataFrame(
+            {"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, values)
+        )
         return ranges_of(results, sources, shares, further).iloc[0][["low", "high"]]
 
     without = further * [0.0, 1.0] + [0.5, 0.0]
@@ -266,7 +268,7 @@ def of_equal_departures():
 def test_departures_have_the_variance_of_a_further_joint():
     """Student's t of a sample of n about its mean: s^2 (1 + 1/n), with s^2 = 16/15 and n = 16."""
     sources, shares, further, names, values = of_equal_departures()
-    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, values))
     ends = ranges_of(results, sources, shares, further).iloc[0]
     half = np.log(ends[["low", "high"]].astype(float) / 2.0)
     scale = np.sqrt(16.0 / 15.0 * (1.0 + 1.0 / 16.0))
@@ -275,7 +277,7 @@ def test_departures_have_the_variance_of_a_further_joint():
 
 def test_a_band_is_as_wide_as_the_range_of_the_same_results():
     sources, shares, further, names, values = of_equal_departures()
-    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, values))
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, values))
     ends = ranges_of(results, sources, shares, further).loc[(1, CLOSURE)]
     name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
     curves = [
@@ -296,7 +298,7 @@ def half_widths():
     """Logarithmic widths of the ranges of two cycles with equal departures."""
     sources, shares, further, names, values = of_equal_departures()
     results = pd.concat(
-        pd.DataFrame({"cycle": cycle, "source": names} | dict.fromkeys(QUANTITIES, values))
+        pd.DataFrame({"cycle": cycle, "source": names} | dict.fromkeys(RANGED_RESULTS, values))
         for cycle in (1, 2)
     )
     widths = np.log(ranges_of(results, sources, shares, further)[["low", "high"]].astype(float))
@@ -340,7 +342,7 @@ def of_close_departures():
 def limited_ranges():
     """Narrow ranges without and with the limits of the numerical error."""
     sources, shares, further, names, close = of_close_departures()
-    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, close))
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
     given = results, sources, shares, further
     return ranges_of(*given), ranges_of(*given, NUMERICAL_LIMITS)
 
@@ -353,7 +355,7 @@ def test_ranges_contain_the_limit_of_the_numerical_error(limited_ranges):
 
 def test_a_numerical_error_below_the_range_changes_nothing(limited_ranges):
     narrow, ranges = limited_ranges
-    for quantity in QUANTITIES:
+    for quantity in RANGED_RESULTS:
         if quantity != CLOSURE and "closure" not in quantity:
             pd.testing.assert_series_equal(ranges.loc[1, quantity], narrow.loc[1, quantity])
 
@@ -373,7 +375,7 @@ def test_bands_contain_the_limit_of_the_numerical_error():
 
 def test_an_error_beyond_the_result_itself_leaves_the_range_positive():
     sources, shares, further, names, close = of_close_departures()
-    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, close))
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
     ranges = ranges_of(results, sources, shares, further, {(1, STIFFNESS): 3.0})
     ends = ranges.loc[(1, STIFFNESS), ["low", "high"]].tolist()
     assert ends == pytest.approx([0.5, 8.0])
@@ -381,7 +383,7 @@ def test_an_error_beyond_the_result_itself_leaves_the_range_positive():
 
 def test_the_limit_of_gross_closure_is_that_of_the_net_one_in_length():
     sources, shares, further, names, close = of_close_departures()
-    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(QUANTITIES, close))
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
     results[CLOSURE_GROSS] = 2.0 * results[CLOSURE]
     ranges = ranges_of(results, sources, shares, further, NUMERICAL_LIMITS)
     assert ranges.loc[(1, CLOSURE), "high"] == pytest.approx(2.4)
@@ -391,10 +393,10 @@ def test_the_limit_of_gross_closure_is_that_of_the_net_one_in_length():
 def test_a_band_of_stiffness_is_a_curve_without_steps():
     """Quantiles at each stress fall here and there: one mean of neighbours would be a step."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     name, random = "normal_stiffness_net_MPa_per_mm", np.random.default_rng(4)
     stresses, rows = np.arange(1.0, 21.0), []
-    for source in ["", "a", "a", *[ALL] * DRAWS]:
+    for source in ["", "a", "a", *[ALL] * RANDOM_JOINTS]:
         saw = np.exp(0.3 * random.standard_normal(stresses.size))
         rows.append(pd.DataFrame({"normal_stress_MPa": stresses, name: stresses * saw}))
         rows[-1] = rows[-1].assign(cycle=1, branch="loading", source=source)
@@ -409,9 +411,9 @@ def test_a_band_of_stiffness_is_a_curve_without_steps():
 def test_a_band_contains_the_curve_of_the_joint():
     """Though all joints with random values lie above it."""
     sources = {"noise": Source((0, 1, 2), "random")}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
-    names = ["", "noise", "noise", *[ALL] * DRAWS]
+    names = ["", "noise", "noise", *[ALL] * RANDOM_JOINTS]
     values = np.where(np.array(names) == "", 1.0, 2.0)
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
@@ -425,8 +427,8 @@ def test_a_band_contains_the_curve_of_the_joint():
 def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
     """The change by half the spacing, which is not simulated, would lead beyond them here."""
     sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
-    names = ["", "spacing", *[ALL] * DRAWS]
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    names = ["", "spacing", *[ALL] * RANDOM_JOINTS]
     place = {"cycle": 1, "branch": "loading", "flow_status": "flows", "source": names}
     twice = np.array(names) == "spacing"
     curves = pd.concat(
@@ -456,8 +458,8 @@ def test_half_the_spacing_changes_an_aperture_by_a_difference_and_others_by_a_fa
 ):
     monkeypatch.setattr(ranges_module, "widening_of", lambda quantity: 1.0)
     sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
-    names = ["", "spacing", *[ALL] * DRAWS]
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    names = ["", "spacing", *[ALL] * RANDOM_JOINTS]
     place = {"cycle": 1, "branch": "loading", "source": names}
     values = np.where(np.array(names) == "spacing", 0.02, 0.08)
     curves = [
@@ -484,13 +486,15 @@ def random_ends():
     """Ends of ranges of random results, whose departures from the sum of the sources are of few
     joints."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     random, found = np.random.default_rng(2), []
     for _ in range(20):
-        net = np.exp(random.standard_normal(DRAWS + 3))
-        values = dict.fromkeys(QUANTITIES, net) | {CLOSURE_GROSS: net + random.random(net.size)}
+        net = np.exp(random.standard_normal(RANDOM_JOINTS + 3))
+        values = dict.fromkeys(RANGED_RESULTS, net) | {CLOSURE_GROSS: net + random.random(net.size)}
         values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
-        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
+        results = pd.DataFrame(
+            {"cycle": 1, "source": ["", "a", "a", *[ALL] * RANDOM_JOINTS]} | values
+        )
         found.append(ranges_of(results, sources, shares, further).loc[1][["low", "high"]])
     return found
 
@@ -513,7 +517,7 @@ def budget_of(values):
     """A budget of one source, whose five results have the values of some quantities."""
     sources = {"youngs_modulus": Source((0.0, 1.0), "range")}
     names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
-    values = dict.fromkeys(QUANTITIES, np.ones(5)) | values
+    values = dict.fromkeys(RANGED_RESULTS, np.ones(5)) | values
     results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
     shares = np.array([[0.2], [0.8]])
     return Budget(results, ranges_of(results, sources, shares, shares), ())
@@ -538,7 +542,7 @@ def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
     sources = {"youngs_modulus": Source((0.0, 1.0), "range")}
     vm = np.where(np.arange(5) < 5 - missing, 1.0, np.nan)
     names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
-    values = dict.fromkeys(QUANTITIES, np.ones(5)) | {VM: vm}
+    values = dict.fromkeys(RANGED_RESULTS, np.ones(5)) | {VM: vm}
     results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
     shares = np.array([[0.2], [0.8]])
     budget = Budget(results, ranges_of(results, sources, shares, shares), ())
@@ -559,13 +563,13 @@ def test_an_initial_stiffness_that_joints_do_not_determine_is_stated():
 
 def test_the_stiffness_of_unloading_has_the_error_of_the_loading_that_follows_it():
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     stiffness = "normal_stiffness_net_MPa_per_mm"
     curves = pd.concat([
         pd.DataFrame({"cycle": [1, 1, 1, 1, 2, 2], "branch": 2 * ["loading"] + 2 * ["unloading"]
                       + 2 * ["loading"], "normal_stress_MPa": 3 * [1.0, 2.0],
                       stiffness: 3 * [100.0, 200.0], "source": name})
-        for name in ["", "a", "a", *[ALL] * DRAWS]
+        for name in ["", "a", "a", *[ALL] * RANDOM_JOINTS]
     ])  # fmt: skip
     limits = {(1, STIFFNESS): 0.5, (2, STIFFNESS): 0.1}
     bands = bands_of(curves, sources, shares, further, limits)
@@ -577,8 +581,8 @@ def test_the_stiffness_of_unloading_has_the_error_of_the_loading_that_follows_it
 def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
     """A blocked flow is known to be 0; the bounds are always known."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
-    names = ["", "a", "a", *[ALL] * DRAWS]
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    names = ["", "a", "a", *[ALL] * RANDOM_JOINTS]
     curves = [
         pd.DataFrame({"cycle": 1, "branch": "loading", "normal_stress_MPa": [1.0, 2.0],
                       "hydraulic_aperture_mm": [0.2, 0.1], "largest_hydraulic_mm": [0.4, 0.3],
@@ -607,11 +611,11 @@ def test_a_budget_is_the_same_by_any_number_of_workers(budget, small_joint):
 
 def test_a_budget_has_results_of_all_drawn_joints(budget):
     drawn = budget.results[budget.results.source == ALL]
-    assert len(drawn) == DRAWS
+    assert len(drawn) == RANDOM_JOINTS
     assert drawn.value.is_unique
 
 
-@pytest.mark.parametrize("name", QUANTITIES)
+@pytest.mark.parametrize("name", RANGED_RESULTS)
 def test_the_range_of_a_budget_holds_the_best_value(budget, name):
     best, low, high, lower, higher = budget.ranges.loc[(1, name), NUMBERS]
     assert best == budget.results[name].iloc[0]
@@ -771,18 +775,18 @@ def test_choices_that_are_changed_are_those_of_the_global_sensitivity_study():
 def test_sources_that_do_not_add_up_count_by_what_they_do_together(factor):
     """The changes of joints with random values are a multiple of the expected sums."""
     sources = {name: Source((0.0, 1.0), "range") for name in "ab"}
-    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 10_000))
+    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 10_000))
     drawn, later = ((2.0 * part - 1.0).sum(axis=1) for part in (shares, further))
     logs = [0.0, -1.0, 1.0, -1.0, 1.0, *(factor * drawn)]
     results = pd.DataFrame(
-        {"cycle": 1, "source": ["", *"aabb", *[ALL] * DRAWS]}
-        | dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+        {"cycle": 1, "source": ["", *"aabb", *[ALL] * RANDOM_JOINTS]}
+        | dict.fromkeys(RANGED_RESULTS, 2.0 * np.exp(logs))
     )
     low = float(np.log(ranges_of(results, sources, shares, further).iloc[0].low / 2.0))
     slope = min(max(factor, 0.0), 1.0)
     left = (factor - slope) * drawn  # what no source explains, of a further joint
-    scale = np.sqrt((DRAWS + 1) / DRAWS) * left.std(ddof=1)
-    scatter = scale * scipy.stats.t.rvs(DRAWS - 1, size=(100, later.size), random_state=1)
+    scale = np.sqrt((RANDOM_JOINTS + 1) / RANDOM_JOINTS) * left.std(ddof=1)
+    scatter = scale * scipy.stats.t.rvs(RANDOM_JOINTS - 1, size=(100, later.size), random_state=1)
     exact = np.quantile(slope * later + left.mean() + scatter, 0.05)
     assert low == pytest.approx(min(exact, 0.0), abs=0.03)
 
@@ -822,7 +826,7 @@ def test_joints_of_a_range_are_closed_at_once_as_far_as_memory_allows():
 def test_what_stays_of_a_closure_is_stated_beyond_the_error_of_its_steps(share, stays):
     sources = {"a": Source((0.0, 1.0), "range")}
     shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
-    values = dict.fromkeys(QUANTITIES, np.full(23, 0.01))
+    values = dict.fromkeys(RANGED_RESULTS, np.full(23, 0.01))
     values["residual_closure_seated_net_mm"] = np.append(np.zeros(22), share * 0.01)
     results = pd.DataFrame({"cycle": 2, "source": ["", "a", "a", *[ALL] * 20]} | values)
     results = results.assign(value="", status=0)
@@ -835,7 +839,7 @@ def budget_with_lower(below):
     sources = {"a": Source((0.0, 1.0), "range")}
     shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
     drawn = np.where(np.arange(20) < below, 0.5, 2.0)
-    values = dict.fromkeys(QUANTITIES, np.array([1.0, 1.0, 1.0, *drawn]))
+    values = dict.fromkeys(RANGED_RESULTS, np.array([1.0, 1.0, 1.0, *drawn]))
     values["residual_closure_seated_net_mm"] = np.append(1e-13, np.zeros(22))
     results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * 20]} | values)
     results = results.assign(value="", status=0)
@@ -961,5 +965,5 @@ def test_arguments_are_refused_before_files_are_read(stated, words):
 
 
 def test_random_values_of_two_sources_with_stated_ranges_hardly_correlate():
-    correlations = np.corrcoef(random_shares(VARIED, DRAWS, SEED).T)
+    correlations = np.corrcoef(random_shares(VARIED, RANDOM_JOINTS, SEED).T)
     assert np.abs(correlations - np.eye(len(VARIED))).max() < 0.275

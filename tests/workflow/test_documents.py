@@ -18,9 +18,9 @@ from studies.frame.cases import cases_of
 from studies.frame.configuration import merged, written_out
 from studies.frame.datasets import of_case
 from studies.frame.experiments import case_point
+from studies.frame.joint_tables import join_cases
 from studies.frame.settings import surface_settings, walls_of
 from studies.frame.simulation import close_joints
-from studies.frame.tables import join_cases
 from tests.joints import COARSE
 from tests.studied import DEFAULT, ROOT, study_of
 

@@ -9,7 +9,7 @@ from jointclosure.storage.files import read_csv
 from jointclosure.storage.netcdf import read_netcdf
 from studies.frame.configuration import sections
 from studies.frame.experiments import experiment_named
-from studies.frame.tables import as_table
+from studies.frame.joint_tables import as_table
 from tests.studied import ROOT, study_of, tiny
 from tests.workflow.runs import checkout, planned, pretend, run_snakemake, snakemake
 

@@ -38,7 +38,7 @@ from studies.frame.rocks import check_files, wall_files
 from studies.frame.settings import BASE, joints_of, surface_settings
 from studies.frame.yaml_files import configuration_text, read_plain, with_places
 from studies.paper.measured_curves import curve_settings, measured_curves
-from studies.paper.report.page import template_digest
+from studies.paper.report.page_rendering import template_digest
 
 DEFAULT_KEYS = "config/default.yaml"  # other files of keys are merged over it
 if not Path(DEFAULT_KEYS).is_file():

@@ -4,7 +4,7 @@ from jointclosure.storage.folders import write
 from jointclosure.storage.logs import logging_to
 from studies.frame.checked_files import read_checked
 from studies.frame.experiments import experiment_named
-from studies.frame.tables import as_table
+from studies.frame.joint_tables import as_table
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]):

@@ -43,7 +43,7 @@ from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED, Numerics
 from jointclosure.statistics.number_texts import percent, with_equal_decimals
 from jointclosure.statistics.two_level import (
-    FEWEST,
+    FEWEST_DIFFERENCES,
     Interval,
     Plan,
     best_plan,
@@ -472,7 +472,7 @@ class Assessment:
         if best is None and budget is None:
             return f"no mean can be planned, as fewer than two joints succeeded with {finest}"
         if best is None:
-            least = FEWEST * float(self._seconds[finest])
+            least = FEWEST_DIFFERENCES * float(self._seconds[finest])
             return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
         name, plan = best
         halves = []

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from jointclosure.assessment.assess import assess, checked_request
-from jointclosure.cli import options, results
+from jointclosure.cli import command_results, options
 from jointclosure.execution.progress import bar
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import RESOLVED
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         "sentences": assessment.sentences,
         "conclusion": assessment.conclusion,
         "title": title,
-    } | results.attributes(settings)
+    } | command_results.attributes(settings)
     written: dict[str, Any] = {
         "closures.csv": assessment.closures,
         "differences.csv": assessment.differences,
@@ -60,5 +60,5 @@ def run(arguments: argparse.Namespace) -> int:
         from jointclosure.plotting.assessment import assessment_figure
 
         written["assessment.png"] = assessment_figure(assessment, title)
-    print(results.write_folder(arguments.output, "assess", written))
+    print(command_results.write_folder(arguments.output, "assess", written))
     return int(assessment.hardness.verdict[0] == "not stable")

@@ -15,14 +15,14 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from jointclosure.cli import options, results
+from jointclosure.cli import command_results, options
 from jointclosure.execution.progress import duration, seconds_of_process
 from jointclosure.exports.loading import Exported, loading_text
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.load import stated_load
+from jointclosure.joint.result_tables import cycle_table
 from jointclosure.joint.rocks import rock_record
-from jointclosure.joint.tables import cycle_table
 from jointclosure.parameters import RESOLVED
 from jointclosure.parameters.units import to_si
 from jointclosure.uncertainty.scanned_joint import ClosedJoint, close
@@ -58,26 +58,26 @@ def run(arguments: argparse.Namespace) -> int:
     stress = stated["max_normal_stress"]
     load = stated_load(stress, stated.get("cycles"))
     options.check_export_cycle(arguments.export_cycle, load)
-    kept = results.kept_stresses(asked, arguments.animation, stress)
+    kept = command_results.kept_stresses(asked, arguments.animation, stress)
     joint = close(**stated, snapshots=kept, rock_name=rock.title, progress=True)
     curves = joint.curves
     at = stated["at"]
-    text, answer = results.summary(joint.history, joint.laws, curves, joint.budget, at)
+    text, answer = command_results.summary(joint.history, joint.laws, curves, joint.budget, at)
     print(text)
     scans = {"upper": arguments.upper, "lower": arguments.lower}
     title = " on ".join(Path(scan).name for scan in scans.values())
-    joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
-    about = results.attributes(stated)
+    joint = joint._replace(history=command_results.write_animation(joint.history, arguments, title))
+    about = command_results.attributes(stated)
     cycle = arguments.export_cycle
-    exported = results.exported(joint.history, title, curves, joint.laws, cycle)
+    exported = command_results.exported(joint.history, title, curves, joint.laws, cycle)
     files = _files(joint, scans, about, title, answer, exported, cycle)
-    wrote = results.write_folder(arguments.output, "close", files)
+    wrote = command_results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
     above = f"; warnings above: {warned}" if warned else ""
     spent = duration(seconds_of_process())
-    status, *remedies = results.status_lines(joint.history)
+    status, *remedies = command_results.status_lines(joint.history)
     print(f"{status}; {spent} since the program started{above}", *remedies, wrote, sep="\n")
-    return int(results.failed(joint.history))
+    return int(command_results.failed(joint.history))
 
 
 def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
@@ -136,15 +136,15 @@ def _files(
 def _record(
     joint: ClosedJoint, title: str, answer: dict[str, Any], exported: Exported, cycle: int
 ) -> dict[str, Any]:
-    """Return the results with units in their names; ``answer`` is as from `results.summary`.
+    """Return the results with units in their names.
 
-    ``exported`` and ``cycle`` are as for `_files`.
+    ``answer`` is that of `command_results.summary`, ``exported`` and ``cycle`` are as for `_files`.
     """
     pair = joint.pair
     history = joint.history
     budget = joint.budget
     laws = joint.laws
-    values = results.law_values(history, laws)
+    values = command_results.law_values(history, laws)
     cycles = cycle_table(history).drop(columns="cycle")
     for name in ("residual_closure", "max_bulk_indentation"):
         cycles[f"{name}_mm"] = 1e3 * history[name].values[: len(cycles)]
@@ -153,7 +153,7 @@ def _record(
         "joint": repr(joint),
         "description": joint.description,
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
-        "status": results.status_text(history),
+        "status": command_results.status_text(history),
         "found": pair.report,
         "warnings": cautions([*pair.report, *answer["remarks"], *exported.remarks]),
         "cells_y_x": list(pair.upper.shape),
@@ -167,12 +167,12 @@ def _record(
             "wavelength_mm": (1e3 * pair.mating.wavelengths).tolist(),
             "correlation": pair.mating.correlation.tolist(),
         },
-        "mismatch_wavelength_mm": results.scaled(pair.mismatch, 1e3),
+        "mismatch_wavelength_mm": command_results.scaled(pair.mismatch, 1e3),
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch_cell),
-        "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
+        "per_cycle": {name: command_results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
-        "exports_of": "" if results.failed(history) else loading_text(history, cycle),
+        "exports_of": "" if command_results.failed(history) else loading_text(history, cycle),
         **answer,
     }

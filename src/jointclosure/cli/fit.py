@@ -14,7 +14,7 @@ The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; oth
 
 import argparse
 
-from jointclosure.cli import options, results
+from jointclosure.cli import command_results, options
 from jointclosure.measured.fit import fit
 from jointclosure.parameters import RESOLVED
 
@@ -41,8 +41,10 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     record = {
         "found": found,
-        "mismatch_wavelength_mm": results.scaled(result.mismatch_wavelength, 1e3),
-        "compressive_strength_MPa": None if strength is None else results.scaled(strength, 1e-6),
+        "mismatch_wavelength_mm": command_results.scaled(result.mismatch_wavelength, 1e3),
+        "compressive_strength_MPa": None
+        if strength is None
+        else command_results.scaled(strength, 1e-6),
         "p_value": result.p_value,
         "interval_holds": result.interval_holds,
         "assumed": result.assumed,
@@ -56,8 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
             "strength_MPa": (1e-6 * result.likelihood.strengths).tolist(),
             "log": result.likelihood.log.tolist(),
         },
-        "provenance": results.attributes(stated),
+        "provenance": command_results.attributes(stated),
     }
     files = {"fit.json": record, "fit.png": fit_figure(result, arguments.curve.name)}
-    print(results.write_folder(arguments.output, "fit", files))
+    print(command_results.write_folder(arguments.output, "fit", files))
     return 0

@@ -16,7 +16,7 @@ from urllib.parse import quote
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.results import with_bands
+from jointclosure.cli.command_results import with_bands
 from jointclosure.ensembles.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
@@ -27,7 +27,7 @@ from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.uncertainty.budget import NOT_MODELLED
-from jointclosure.uncertainty.results import QUANTITIES
+from jointclosure.uncertainty.ranged_results import RANGED_RESULTS
 
 with needs("report", "a page"):
     import jinja2
@@ -141,11 +141,11 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
 
     def text(name: str, cycle: int = 1) -> str:
         """Return a result with its range, if that is known; "" if there is none."""
-        return first.loc[QUANTITIES[name], f"cycle {cycle}"].removeprefix(ABSENT)
+        return first.loc[RANGED_RESULTS[name], f"cycle {cycle}"].removeprefix(ABSENT)
 
     def with_choices(name: str, cycle: int = 1) -> str:
         """Return the range of a result with other choices of the model; "" if there is none."""
-        return "" if wider.empty else wider.loc[QUANTITIES[name], f"cycle {cycle}"]
+        return "" if wider.empty else wider.loc[RANGED_RESULTS[name], f"cycle {cycle}"]
 
     loading = curves[curves.branch == LOADING]
     bands = {name: with_bands(loading, name, 3) for name in CURVES if name in loading}

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from jointclosure.cli import options, results
+from jointclosure.cli import command_results, options
 from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.inputs.remarks import caution, cautions, noted
 from jointclosure.statistics.number_texts import grid_text
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     _show(measures, size, remarks, arguments)
     if arguments.picture:
         figure = roughness_figure(wall, step, arguments.file.name)
-        results.write(figure, arguments.picture)
+        command_results.write(figure, arguments.picture)
     return 0
 
 
@@ -106,7 +106,7 @@ def _run_profile(arguments: argparse.Namespace) -> int:
     size += f", which is inclined by {inclination:.3g} degrees"
     _show(measures, size, [*profile.remarks, *_smooth(measures)], arguments)
     if arguments.picture:
-        results.write(profile_figure(heights, step, arguments.file.name), arguments.picture)
+        command_results.write(profile_figure(heights, step, arguments.file.name), arguments.picture)
     return 0
 
 
@@ -137,7 +137,7 @@ def _show(
     print("".join(f"\n{noted(remark)}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
         columns = ["measure", *Measure._fields[1:]]
-        results.write(pd.DataFrame(measures, columns=columns), arguments.table)
+        command_results.write(pd.DataFrame(measures, columns=columns), arguments.table)
 
 
 def _text(measures: list[Measure], title: str, size: str) -> str:

@@ -17,7 +17,7 @@ import argparse
 import inspect
 from typing import Any
 
-from jointclosure.cli import options, results
+from jointclosure.cli import command_results, options
 from jointclosure.execution.progress import closing_bar, duration, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.joint.checked_conditions import check_named_stresses
@@ -27,9 +27,9 @@ from jointclosure.joint.conditions import (
 )
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
+from jointclosure.joint.result_tables import stress_table
 from jointclosure.joint.simulation import simulate
 from jointclosure.joint.stated_conditions import checked_as_stated
-from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.synthesis import wall_pair
@@ -64,7 +64,9 @@ def run(arguments: argparse.Namespace) -> int:
     about = options.given(arguments, inspect.signature(wall_pair).parameters)
     about["jrc"] = jrc = stated.pop("jrc")
     conditions = conditions_from(None, stated, "simulate", "spacing")
-    kept = results.kept_stresses(snapshots, arguments.animation, conditions.max_normal_stress)
+    kept = command_results.kept_stresses(
+        snapshots, arguments.animation, conditions.max_normal_stress
+    )
     checked = checked_as_stated(conditions, kept)
     options.check_export_cycle(arguments.export_cycle, checked.load)
     check_named_stresses(arguments.at, checked)
@@ -81,21 +83,21 @@ def run(arguments: argparse.Namespace) -> int:
     seating = closed.attrs["seating_stress_Pa"]
     laws = laws_of_joint(jrc, strength, seating, cycles, **lengths)
     curves = stress_table(closed, history_of(closed).table_levels(arguments.at))
-    print(results.summary(closed, laws, curves, at=arguments.at)[0])
-    status, *remedies = results.status_lines(closed)
+    print(command_results.summary(closed, laws, curves, at=arguments.at)[0])
+    status, *remedies = command_results.status_lines(closed)
     spent = duration(seconds_of_process())
     print(f"{status}; {spent} since the program started", *remedies, sep="\n")
-    closed.attrs |= {"joint": title} | results.attributes(about | stated)
-    closed = results.write_animation(closed, arguments, title)
+    closed.attrs |= {"joint": title} | command_results.attributes(about | stated)
+    closed = command_results.write_animation(closed, arguments, title)
     files: dict[Any, Any] = {arguments.output: closed}
     if snapshots and closed.sizes["snapshot"]:
         files[arguments.output.with_suffix(".png")] = snapshot_figure(closed, title)
     if arguments.picture:
         files[arguments.picture] = closure_curve(closed, title)
     for path in filter(None, files):
-        results.write(files[path], path)
+        command_results.write(files[path], path)
         print(f"wrote {path}")
     if arguments.tables:
-        exported = results.exported(closed, title, curves, laws, arguments.export_cycle)
-        print(results.write_folder(arguments.tables, "simulate", exported.files))
-    return int(results.failed(closed))
+        exported = command_results.exported(closed, title, curves, laws, arguments.export_cycle)
+        print(command_results.write_folder(arguments.tables, "simulate", exported.files))
+    return int(command_results.failed(closed))

@@ -14,7 +14,7 @@ joints simulates only those that are missing.
 
 import argparse
 
-from jointclosure.cli import options, results
+from jointclosure.cli import command_results, options
 from jointclosure.measured.validation import NUMERICS, validate
 
 
@@ -43,8 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
         files = {
             "region.csv": ranges,
             "quantities.csv": quantities,
-            "region.json": record | {"provenance": results.attributes(stated)},
+            "region.json": record | {"provenance": command_results.attributes(stated)},
             "region.png": region_figure(region, arguments.curve.name),
         }
-        print(results.write_folder(arguments.output, "validate", files))
+        print(command_results.write_folder(arguments.output, "validate", files))
     return 0

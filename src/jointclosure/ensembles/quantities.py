@@ -267,8 +267,8 @@ CURVES = {
     "smallest_transmissivity_m2_per_s": ("lower bound of the transmissivity (m2/s)", False),
     "largest_transmissivity_m2_per_s": ("upper bound of the transmissivity (m2/s)", False),
 }
-"""Headings of curves over stress (`jointclosure.joint.tables.stress_table`), by column, and whether
-they rise with stress; the others fall."""
+"""Headings of curves over stress (`jointclosure.joint.result_tables.stress_table`), by column, and
+whether they rise with stress; the others fall."""
 
 
 def titles_of_cycles(*shown: tuple[str, int]) -> dict[tuple[str, int], str]:

@@ -5,11 +5,11 @@ from collections.abc import Callable
 import pandas as pd
 import xarray as xr
 
+from jointclosure.exports.csv_tables import csv_files, with_law
 from jointclosure.exports.geos import geos_barton_bandis, geos_files
 from jointclosure.exports.hyperbola import fitted_loading
 from jointclosure.exports.loading import Exported, loading_remark
 from jointclosure.exports.porepy import porepy_files
-from jointclosure.exports.tables import csv_files, with_law
 from jointclosure.exports.udec_3dec import barton_bandis_commands, itasca_tables
 from jointclosure.exports.vtu import fracture_mesh
 from jointclosure.inputs import InputError

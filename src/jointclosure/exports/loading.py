@@ -11,8 +11,8 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
+from jointclosure.joint.result_tables import columns_of, has_bands, wider_columns_of
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import columns_of, has_bands, wider_columns_of
 from jointclosure.uncertainty.published_joints import measured_range
 
 _EXPORTED = "constants for other programs (barton_bandis.dat, porepy*.json) and tables for GEOS"

@@ -15,8 +15,8 @@ from jointclosure.exports.loading import (
 )
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import JointLaws, loading_hyperbolas
+from jointclosure.joint.result_tables import columns_of, wider_columns_of
 from jointclosure.joint.status import ONLY_BOUNDS
-from jointclosure.joint.tables import columns_of, wider_columns_of
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 
 _STIFFNESS_FUNCTION = """

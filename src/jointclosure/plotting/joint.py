@@ -16,12 +16,18 @@ from matplotlib.lines import Line2D
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.history import GROSS, NET, Branch, History, history_of
 from jointclosure.joint.laws import LAWS, BartonBandis, loading_hyperbolas
+from jointclosure.joint.result_tables import (
+    WATER,
+    columns_of,
+    has_bands,
+    stress_table,
+    wider_columns_of,
+)
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import WATER, columns_of, has_bands, stress_table, wider_columns_of
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.ranged_results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.ranges import NUMBERS, WIDER
-from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import ALL, TITLES
 
 DECADES = 9  # of transmissivity that are drawn at most

@@ -13,7 +13,7 @@ import xarray as xr
 
 from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.joint.history import GROSS, NET
-from jointclosure.joint.tables import stress_table
+from jointclosure.joint.result_tables import stress_table
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.snapshots import MAPS, describe_state, draw_map
 from jointclosure.plotting.style import BRANCH_LINES, styled

@@ -6,7 +6,7 @@ import numpy as np
 
 from jointclosure.statistics.randomness import generator
 
-DRAWS = 10_000  # of the null hypothesis; a probability of 0.05 is then known to 0.002
+NULL_DRAWS = 10_000  # of the null hypothesis; a probability of 0.05 is then known to 0.002
 
 
 class Scores(NamedTuple):
@@ -34,7 +34,7 @@ def chance_of_scores(
     """
     rows, quantities, _ = values.shape
     width = 0.5 * (measured[1] - measured[0])
-    drawn = generator(seed).integers(rows, size=(DRAWS, quantities))
+    drawn = generator(seed).integers(rows, size=(NULL_DRAWS, quantities))
     centre = values[drawn, np.arange(quantities)]
     score = _overlaps(intervals, measured).sum(axis=(1, 2))
     by_chance = np.stack(
@@ -45,7 +45,7 @@ def chance_of_scores(
     )
     best = {count: by_chance[constants <= count].max(axis=0) for count in np.unique(constants)}
     reached = [(best[n] >= own).sum() for n, own in zip(constants, score, strict=True)]
-    return Scores(score, (1.0 + np.array(reached)) / (1.0 + DRAWS))
+    return Scores(score, (1.0 + np.array(reached)) / (1.0 + NULL_DRAWS))
 
 
 def _overlaps(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]):

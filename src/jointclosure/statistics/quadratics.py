@@ -208,3 +208,18 @@ def elasticity_of(
     errors = quadratic_errors(logs, relative, logs[levels == base].item())
     of_sample = math.sqrt(max(errors.covariance[1, 1], 0.0)) / (0.5 * (logs[-1] - logs[0]))
     return Estimate(value, math.hypot(of_sample, value - in_parameter))
+
+
+def smoothed_by_all_levels(
+    levels: np.ndarray, means: np.ndarray, base: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest, the middle and the highest of levels (k,), and the means (..., 3) there.
+
+    The means are those of the quadratic, Eq. (24), that is fitted to the means (..., k) of all
+    levels, so that more levels make them more certain. With three levels they are not changed.
+    """
+    three = levels[[0, levels.size // 2, -1]]
+    if levels.size == 3:
+        return three, means
+    fitted = fit_quadratic(levels, means, base)
+    return three, np.stack([fitted.at(level) for level in three], axis=-1)

@@ -14,7 +14,7 @@ import scipy
 
 from jointclosure.statistics.standard_errors import CONFIDENCE
 
-FEWEST = 8  # differences of a plan: a standard deviation of fewer is not known
+FEWEST_DIFFERENCES = 8  # differences of a plan: a standard deviation of fewer is not known
 
 
 class Interval(NamedTuple):
@@ -99,7 +99,7 @@ def best_plan(
     short for any. ``deviations`` are standard deviations of the cheap level and of the differences,
     ``seconds`` the times of a joint at the cheap level and of a difference, at both levels.
     """
-    joints = FEWEST
+    joints = FEWEST_DIFFERENCES
     best = None
     while True:
         plan = _best_split(deviations, seconds, joints)
@@ -116,7 +116,7 @@ def _best_split(deviations: tuple[float, float], seconds: tuple[float, float], j
     first, second = deviations
     cheap, both = seconds
     share = second * math.sqrt(cheap) / (first * math.sqrt(both)) if first * both > 0.0 else 1.0
-    differences = min(max(FEWEST, math.ceil(share * joints)), joints)
+    differences = min(max(FEWEST_DIFFERENCES, math.ceil(share * joints)), joints)
     squares = [d**2 / n for d, n in zip(deviations, (joints, differences), strict=True)]
     half = _interval_about(0.0, squares, [joints - 1, differences - 1]).high
     return Plan(joints, differences, joints * cheap + differences * both, half)

@@ -14,9 +14,9 @@ from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import BENDS
+from jointclosure.joint.result_tables import stress_table
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.joint.status import failed
-from jointclosure.joint.tables import stress_table
 from jointclosure.parameters import OF_ROCK, acting, key_of
 from jointclosure.statistics.number_texts import percent, significant, with_equal_decimals
 from jointclosure.uncertainty.numerical_error import (
@@ -25,21 +25,27 @@ from jointclosure.uncertainty.numerical_error import (
     numerical_errors_of,
 )
 from jointclosure.uncertainty.published_joints import measured_range
-from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER, bands_of, ranges_of
-from jointclosure.uncertainty.results import (
+from jointclosure.uncertainty.ranged_results import (
     CLOSURE_NET,
     FITTED,
     KNI,
-    QUANTITIES,
+    RANGED_RESULTS,
     RESIDUAL_NET,
     STIFFNESS,
     VM,
     results_of,
     table_of,
 )
+from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER, bands_of, ranges_of
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, SHARED, TITLES, Source
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
-from jointclosure.uncertainty.variants import DRAWS, SEED, Variant, random_shares, value_text
+from jointclosure.uncertainty.variants import (
+    RANDOM_JOINTS,
+    SEED,
+    Variant,
+    random_shares,
+    value_text,
+)
 
 UNDETERMINED = "undetermined"
 """Text of a kni or Vm that a loading does not determine, and of a share that few joints with random
@@ -79,7 +85,8 @@ class Budget(NamedTuple):
     ----------
     results : DataFrame
         A row per variant and cycle: ``source`` ("" for the joint itself, `ALL` for random values of
-        all sources), ``value``, ``status``, ``cycle`` and `QUANTITIES`, NaN if the variant failed.
+        all sources), ``value``, ``status``, ``cycle`` and `RANGED_RESULTS`, NaN if the variant
+        failed.
     ranges : DataFrame
         Over (cycle, quantity): ``best``, the value of the joint; ``low`` and ``high``, between
         which 9 in 10 joints with random values lie; the same with other choices of the model too
@@ -116,11 +123,11 @@ class Budget(NamedTuple):
 
     def sentences(self) -> list[str]:
         """Describe what the range is due to, and what it leaves out."""
-        closure = next(iter(QUANTITIES))
+        closure = next(iter(RANGED_RESULTS))
         cycles = self.ranges.index.unique("cycle")
         shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
         lines = [
-            f"{QUANTITIES[closure]}, cycle {cycle}: shares of sources: "
+            f"{RANGED_RESULTS[closure]}, cycle {cycle}: shares of sources: "
             f"{self._shares_text(cycle, closure)}"
             for cycle in shown
         ]
@@ -138,8 +145,8 @@ class Budget(NamedTuple):
             absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
             if absent:
                 lines.append(
-                    f"{QUANTITIES[quantity]}, cycle {', '.join(absent)}: {NOT_MODELLED}, as it is "
-                    "0 in the model whatever the inputs are"
+                    f"{RANGED_RESULTS[quantity]}, cycle {', '.join(absent)}: {NOT_MODELLED}, as it "
+                    "is 0 in the model whatever the inputs are"
                 )
         lines += self._undetermined()
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
@@ -165,7 +172,7 @@ class Budget(NamedTuple):
                 continue
             if absent := int(fitted[name].isna().sum()):
                 lines.append(
-                    f"{QUANTITIES[name]}, cycle {cycle}: undetermined for {absent} of "
+                    f"{RANGED_RESULTS[name]}, cycle {cycle}: undetermined for {absent} of "
                     f"{len(fitted)} variants of the joint, {_WHY_UNDETERMINED[name]}; a range is "
                     "that of the others"
                 )
@@ -178,8 +185,8 @@ class Budget(NamedTuple):
             return []
         errors = (f"{percent(row.error)} on cycle {row.cycle}" for row in known.itertuples())
         lines = [
-            f"{QUANTITIES[quantity]}: limit of the numerical error {', '.join(errors)} (about nine "
-            "in ten joints keep such a limit)"
+            f"{RANGED_RESULTS[quantity]}: limit of the numerical error {', '.join(errors)} (about "
+            "nine in ten joints keep such a limit)"
         ]
         unstable = known[known.scatter > NOT_STABLE]
         if len(unstable):
@@ -187,7 +194,7 @@ class Budget(NamedTuple):
                 f"{percent(row.scatter)} on cycle {row.cycle}" for row in unstable.itertuples()
             )
             lines.append(
-                f"{QUANTITIES[quantity]}: this joint is not stable, as its results with other "
+                f"{RANGED_RESULTS[quantity]}: this joint is not stable, as its results with other "
                 "steps and those of copies, which should be equal, scatter by "
                 f"{', '.join(scatter)} (stable: up to {100.0 * NOT_STABLE:.0f} %)"
             )
@@ -203,7 +210,7 @@ class Budget(NamedTuple):
         if share <= 1.0 - OUTLYING:
             return []
         line = (
-            f"{QUANTITIES[quantity]}, cycle {cycle}: that of the walls as registered, with the "
+            f"{RANGED_RESULTS[quantity]}, cycle {cycle}: that of the walls as registered, with the "
             f"usual values of all inputs, is {significant(best, 2)}, "
             f"{'smaller' if below < 0.5 else 'larger'} than {100.0 * share:.0f} "
             "% of the results of random inputs"
@@ -342,7 +349,7 @@ def uncertainty_budget(
         status = -1 if history is None else int(history.status)
         if history is None or failed(history):
             rows = pd.DataFrame({"cycle": known.cycle.unique()})
-            rows = rows.assign(**dict.fromkeys(QUANTITIES, np.nan))
+            rows = rows.assign(**dict.fromkeys(RANGED_RESULTS, np.nan))
             curves = known[["cycle", "branch", "normal_stress_MPa"]]
         else:
             curves = known if history is closed else stress_table(history, levels)
@@ -359,7 +366,8 @@ def uncertainty_budget(
     results = pd.concat(rows, ignore_index=True)
     exact = "registration", *acting(joint.conditions.rock[0])
     omitted = tuple(name for name in exact if name not in sources)
-    shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
+    shares = random_shares(sources, RANDOM_JOINTS, SEED)
+    further = random_shares(sources, FURTHER, 1)
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
     numerical = numerical_errors_of(results, largest_jump(closed))
     limits = limits_of_error(numerical)

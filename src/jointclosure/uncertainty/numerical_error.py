@@ -23,7 +23,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from jointclosure.uncertainty.results import CLOSURE_NET, STIFFNESS
+from jointclosure.uncertainty.ranged_results import CLOSURE_NET, STIFFNESS
 from jointclosure.uncertainty.sources import ORDER
 
 LEAST = 0.003

@@ -29,15 +29,15 @@ import scipy
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.interpolation import monotone_curve
+from jointclosure.joint.result_tables import ENDS, WIDER, with_transmissivity
 from jointclosure.joint.status import FLOW_STATUSES, ONLY_BOUNDS, UNLOADING
-from jointclosure.joint.tables import ENDS, WIDER, with_transmissivity
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.uncertainty.results import (
+from jointclosure.uncertainty.ranged_results import (
     APERTURE,
     CLOSURE_GROSS,
     CLOSURE_NET,
     CONTACT,
-    QUANTITIES,
+    RANGED_RESULTS,
     STIFFNESS,
 )
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, ORDER, SHARED, Source
@@ -77,7 +77,7 @@ def ranges_of(
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
-        for quantity in QUANTITIES:
+        for quantity in RANGED_RESULTS:
             of_quantity = of_cycle[quantity]
             if quantity == CONTACT:  # odds have no upper limit, so that a share stays below 1
                 touching = of_quantity.clip(upper=_ALMOST_ALL)

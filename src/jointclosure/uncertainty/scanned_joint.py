@@ -30,16 +30,16 @@ from jointclosure.joint.laws import (
     check_joint_lengths,
     laws_of_joint,
 )
+from jointclosure.joint.result_tables import cycle_table, stress_table
 from jointclosure.joint.rocks import rock_text
 from jointclosure.joint.simulation import Simulation
 from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.joint.status import failed
-from jointclosure.joint.tables import cycle_table, stress_table
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, seconds_of_range
-from jointclosure.uncertainty.results import CLOSURE_GROSS, CLOSURE_NET
+from jointclosure.uncertainty.ranged_results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import check_ranges
 from jointclosure.uncertainty.tested_domain import beyond_tested
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
@@ -79,8 +79,8 @@ class ClosedJoint(NamedTuple):
     def curves(self) -> pd.DataFrame:
         """Closure, stiffness, aperture and flow over stress, with bands if they are known.
 
-        They are those of `jointclosure.joint.tables.stress_table` at round stresses and the named
-        ones.
+        They are those of `jointclosure.joint.result_tables.stress_table` at round stresses and the
+        named ones.
         """
         if self.budget is not None:
             return self.budget.curves

@@ -19,7 +19,7 @@ from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, TITLES, Source
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
-DRAWS = 12  # joints that are simulated with random values of all sources
+RANDOM_JOINTS = 12  # that are simulated with random values of all sources
 SEED = 1796
 """Seed of their random values: of the first 4,000 that with the smallest correlation between any
 two of `VARIED` (0.27; median of all seeds 0.59), so that their effects are not confounded."""
@@ -91,7 +91,7 @@ class Variant(NamedTuple):
 def variants_of(
     conditions: CheckedConditions,
     sources: Mapping[str, Source],
-    draws: int = DRAWS,
+    draws: int = RANDOM_JOINTS,
     seed: int = SEED,
 ) -> Iterator[Variant]:
     """Generate the variants of a joint: each source changed alone, then all ``draws`` times."""

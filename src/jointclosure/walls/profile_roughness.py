@@ -20,7 +20,7 @@ from jointclosure.walls.scans.contents import (
 )
 from jointclosure.walls.scans.text import read_table, unit_of_column
 from jointclosure.walls.wall_roughness import (
-    DRAWS,
+    SCATTER_SAMPLES,
     Measure,
     height_differences,
     hurst_of_squares,
@@ -261,7 +261,7 @@ def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
 
 
 def _random_measures(count: int, spacing: float, hurst: float) -> dict[str, np.ndarray]:
-    """Return the measures of self-affine profiles of a Hurst exponent, each value (DRAWS,)."""
+    """Return the measures of self-affine profiles of a Hurst exponent, each (SCATTER_SAMPLES,)."""
     rows = [_profile_measures(profile, spacing) for profile in _random_profiles(count, hurst)]
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
@@ -272,7 +272,7 @@ def _random_profiles(count: int, hurst: float) -> list[np.ndarray]:
     amplitudes = np.zeros(frequencies.size)
     amplitudes[1:] = frequencies[1:] ** -(min(max(hurst, 0.05), 1.0) + 0.5)
     profiles = []
-    for number in range(DRAWS):
+    for number in range(SCATTER_SAMPLES):
         noise = generator(seed_of(_SEED, "profile", number)).standard_normal(2 * count)
         heights = np.fft.irfft(np.fft.rfft(noise) * amplitudes, 2 * count)[:count]
         profiles.append(detrended(heights[None, :])[0])

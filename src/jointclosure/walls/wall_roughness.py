@@ -17,7 +17,8 @@ TILES = 6
 """Tiles along the shorter side of a wall. The bootstrap draws whole tiles, because neighbouring
 cells depend on each other."""
 SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
-DRAWS = 100  # synthetic walls whose scatter gives the intervals of measures of long waves
+SCATTER_SAMPLES = 100
+"""Synthetic walls or profiles whose scatter gives the intervals of measures of long waves."""
 LARGEST_DRAW = 400  # most cells along a side of these walls
 TAIL = 50.0 * (1.0 - 0.95)  # percentage beyond each limit of a 95 % interval
 _SEED = 1  # of the random numbers of intervals, which are the same for all walls
@@ -162,15 +163,16 @@ def hurst_of_squares(distances: np.ndarray, squares: np.ndarray) -> float:
 def _scattered_measures(
     scaling: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
-    """Return each measure of a wall (1 + DRAWS,): its value, and values that scatter as it does.
+    """Return each measure of a wall (1 + SCATTER_SAMPLES,).
 
-    The scatter is that of synthetic walls with the Hurst exponent and slope of the wall.
+    The first is its value, the others scatter as it does. The scatter is that of synthetic walls
+    with the Hurst exponent and slope of the wall.
     """
     spectrum = Spectrum(min(max(scaling[_EXPONENTS[2]], 0.05), 1.0))
     size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
     slope = scaling[_SLOPES[2]]
     draws = []
-    for number in range(DRAWS):
+    for number in range(SCATTER_SAMPLES):
         random = generator(seed_of(_SEED, "scatter", number))
         wall = synthetic_wall(slope, size, spacing, spectrum, random, "expectation")
         draws.append(_long_wave_measures(wall, spacing))

@@ -21,8 +21,8 @@ from jointclosure.statistics.standard_errors import (
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
 from studies.frame.configuration import Configuration, resolved, sections
+from studies.frame.joint_tables import changes_of_cases, succeeded
 from studies.frame.settings import SIDES
-from studies.frame.tables import changes_of_cases, succeeded
 from studies.paper.checks import (
     REMARKS,
     change_in_words,
@@ -30,7 +30,7 @@ from studies.paper.checks import (
     remarked_joints,
 )
 from studies.paper.claims import OURS, TOLERANCE
-from studies.paper.report.tables import About, frames_of, with_limits
+from studies.paper.report.page_tables import About, frames_of, with_limits
 from studies.paper.report.verdicts import (
     JUMPS,
     REFERENCE,

@@ -17,7 +17,7 @@ JUMPS = "hard: closure jumps"
 """Verdict on a joint whose largest closure jump exceeds the request."""
 VERDICT_OF = {True: "within", False: "beyond", None: "not determined"}
 """Verdicts on a change of a mean closure: is it shown to be within the request, or beyond it?"""
-VERDICTS = tuple(VERDICT_OF.values())
+CHANGE_VERDICTS = tuple(VERDICT_OF.values())
 """Verdicts on a change, see `verdict_of_cycles`."""
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 from jointclosure.ensembles.quantities import HEADINGS
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.laws import loading_hyperbolas
-from jointclosure.joint.tables import cycle_table
+from jointclosure.joint.result_tables import cycle_table
 
 RESIDUAL_NET = "residual_closure_seated_net_mm"
 CLOSURE_NET = "max_closure_seated_net_mm"
@@ -19,7 +19,7 @@ KNI = "kni_net_MPa_per_mm"
 VM = "vm_net_mm"
 FITTED = KNI, VM  # constants of the hyperbola of loading
 APERTURE = "mean_aperture_at_max_mm"
-QUANTITIES = {
+RANGED_RESULTS = {
     column: HEADINGS[column]
     for column in (
         CLOSURE_NET,
@@ -36,16 +36,16 @@ QUANTITIES = {
 
 
 def results_of(history: xr.Dataset) -> pd.DataFrame:
-    """Return a table of `QUANTITIES` by cycle of a joint that did not fail."""
+    """Return a table of `RANGED_RESULTS` by cycle of a joint that did not fail."""
     table = cycle_table(history)
     stiffness = net_responses(history)["stiffness_net"]
     table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
     hyperbolas = loading_hyperbolas(history, table.cycle)
     table[[KNI, VM]] = hyperbolas[["kni_MPa_per_mm", "vm_mm"]].to_numpy()
-    return table[["cycle", *QUANTITIES]]
+    return table[["cycle", *RANGED_RESULTS]]
 
 
 def table_of(cycles: Iterable[int], text: Callable[[int, str], str]) -> pd.DataFrame:
     """Arrange texts of results, quantities over cycles."""
-    columns = {f"cycle {cycle}": [text(cycle, name) for name in QUANTITIES] for cycle in cycles}
-    return pd.DataFrame(columns, index=list(QUANTITIES.values()))
+    columns = {f"cycle {cycle}": [text(cycle, name) for name in RANGED_RESULTS] for cycle in cycles}
+    return pd.DataFrame(columns, index=list(RANGED_RESULTS.values()))

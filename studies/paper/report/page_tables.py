@@ -21,7 +21,7 @@ from jointclosure.statistics.number_texts import (
     rounded,
     with_equal_decimals,
 )
-from studies.frame.tables import changes_of_cases, in_words, succeeded
+from studies.frame.joint_tables import changes_of_cases, in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS

@@ -5,8 +5,8 @@ import xarray as xr
 
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import JointLaws, fitted_laws
+from jointclosure.joint.result_tables import curve_table, cycle_table
 from jointclosure.joint.status import LOADING
-from jointclosure.joint.tables import curve_table, cycle_table
 
 FIGURES = 7
 """Significant digits of numbers in tables: more than their accuracy, but enough to distinguish

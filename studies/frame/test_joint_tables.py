@@ -8,12 +8,12 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.joint.tables import stress_table
+from jointclosure.joint.result_tables import stress_table
 from jointclosure.storage.netcdf import write_netcdf
 from studies import __main__ as cli
 from studies.commands.engineering import curves_with_quantiles
+from studies.frame.joint_tables import changes_of_cases
 from studies.frame.panels import PanelColumn, Row, panels
-from studies.frame.tables import changes_of_cases
 from tests.joints import DOLERITE, ELASTIC, SPACING
 
 

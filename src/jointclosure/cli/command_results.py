@@ -16,20 +16,27 @@ from jointclosure.exports.loading import Exported
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
-from jointclosure.joint.status import LOADING, ONLY_BOUNDS, STATUSES, failed
-from jointclosure.joint.tables import (
+from jointclosure.joint.result_tables import (
     HYDRAULIC,
     columns_of,
     has_bands,
     wider_columns_of,
 )
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS, STATUSES, failed
 from jointclosure.statistics.number_texts import number_text, significant, with_equal_decimals
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import MEASURED, NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
+from jointclosure.uncertainty.ranged_results import (
+    APERTURE,
+    FITTED,
+    KNI,
+    RANGED_RESULTS,
+    VM,
+    results_of,
+    table_of,
+)
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
-from jointclosure.uncertainty.results import APERTURE, FITTED, KNI, VM, results_of, table_of
-from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
 
 _BOUNDS = (
     "the hydraulic aperture is left empty there, and its bounds are smallest_hydraulic and "
@@ -221,7 +228,7 @@ def named_table(
 def _of_hyperbola(closed: xr.Dataset) -> dict[str, str]:
     """Return headings of kni and Vm by their general ones, with the stress they count from."""
     where = f"of the hyperbola fitted from {1e-6 * history_of(closed).seating_stress:g} MPa"
-    return {BUDGETED[KNI]: f"kni {where} (MPa/mm)", BUDGETED[VM]: f"Vm {where} (mm)"}
+    return {RANGED_RESULTS[KNI]: f"kni {where} (MPa/mm)", RANGED_RESULTS[VM]: f"Vm {where} (mm)"}
 
 
 def result_table(
@@ -240,7 +247,7 @@ def result_table(
 
     table = budget.table() if budget else table_of(results.index, text)
     for title, values in law_values(closed, laws).items():
-        table[title] = [significant(values[n], 2) if n in values else "" for n in BUDGETED]
+        table[title] = [significant(values[n], 2) if n in values else "" for n in RANGED_RESULTS]
     table = table.rename(index=_of_hyperbola(closed))
     reached = curves[curves.branch == LOADING].dropna(subset=columns_of(curves, _NAMED[0]))
     highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
