@@ -114,7 +114,10 @@ def test_stiffness_at_named_stresses_is_that_of_the_curves(scans, tmp_path, comm
 def test_a_stress_that_no_loading_reaches_is_refused_before_any_computing(
     scans, name, stresses, command, monkeypatch
 ):
-    for module in ("cli.simulate.simulate", "uncertainty.scanned_joint.registered_walls"):
+    for module in (
+        "cli.simulate.simulate_as_checked",
+        "uncertainty.scanned_joint.registered_walls",
+    ):
         monkeypatch.setattr(f"jointclosure.{module}", Mock(side_effect=AssertionError))
     files = scans if name == "close" else ["--jrc", 8]
     own = ["--units", "mm"] if name == "close" else []
@@ -131,7 +134,7 @@ def test_a_named_stress_is_allowed_from_the_stated_seating_stress_on(
     seating, allowed, command, monkeypatch
 ):
     reached = Mock(side_effect=jc.InputError("simulated"))
-    monkeypatch.setattr("jointclosure.cli.simulate.simulate", reached)
+    monkeypatch.setattr("jointclosure.cli.simulate.simulate_as_checked", reached)
     words = ["--rock", "slate", "--cells", 8, "--jrc", 8, "--stress", 2, "--at", 0.3]
     command("simulate", *words, "--seating", seating)
     assert reached.called == allowed

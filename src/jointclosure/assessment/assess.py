@@ -572,7 +572,25 @@ def assess(
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given.spacing)
-    setting, ladder, variants = assessed_variants(on_grid(given, spacing)._replace(flow=False))
+    return assess_as_checked(
+        pairs, on_grid(given, spacing), within, budget, folder, workers, report
+    )
+
+
+def assess_as_checked(
+    pairs: Sequence[Walls],
+    given: CheckedConditions,
+    within: float = 0.05,
+    budget: float | None = None,
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    report: Callable[[float, str], None] = lambda share, variant: None,
+) -> Assessment:
+    """Assess joints as `assess`, of checked pairs of walls under conditions on their grid.
+
+    The conditions, ``within`` and ``budget`` are those of `checked_request`.
+    """
+    setting, ladder, variants = assessed_variants(given._replace(flow=False))
     tasks = [
         (name, joint, copy)
         for name, joint in itertools.product(variants, range(len(pairs)))

@@ -11,9 +11,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from jointclosure.assessment.assess import assess, checked_request
+from jointclosure.assessment.assess import assess, assess_as_checked, checked_request
 from jointclosure.cli import command_results, options
 from jointclosure.execution.progress import bar
+from jointclosure.joint.checked_conditions import on_grid
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import RESOLVED
 from jointclosure.walls.wall_files import registered_walls
@@ -32,16 +33,18 @@ def run(arguments: argparse.Namespace) -> int:
     """Assess the joint and write its folder; return 1 if it is not stable."""
     _, stated = options.keywords(arguments, Conditions, RESOLVED, "max_normal_stress")
     asked = options.given(arguments, ("within", "budget"))
-    checked_request(Conditions(**{"spacing": None} | stated), **asked)
+    spacing = stated.pop("spacing", None)
+    checked = checked_request(Conditions(spacing=spacing, **stated), **asked)
     scans, grid = (options.given(arguments, names) for names in (options.SCANS, options.PLACES))
     walls = arguments.upper, arguments.lower
-    pair = registered_walls(*walls, scans, stated.pop("spacing", None), **grid)
+    pair = registered_walls(*walls, scans, checked.spacing, **grid)
     print("\n".join(f"- {line}" for line in pair.report), flush=True)
     arguments.output.mkdir(exist_ok=True)
     with bar("closing") as show:
-        joint = pair.upper, pair.lower
+        joint = [(pair.upper, pair.lower)]
+        conditions = on_grid(checked, pair.spacing)
         kept = {"folder": arguments.output, "report": show}
-        assessment = assess(joint, spacing=pair.spacing, **stated, **asked, **kept)
+        assessment = assess_as_checked(joint, conditions, **asked, **kept)
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)
     settings = {"upper": walls[0], "lower": walls[1], **scans, **grid, **stated, **asked}

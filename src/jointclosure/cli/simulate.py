@@ -28,7 +28,7 @@ from jointclosure.joint.conditions import (
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import check_joint_lengths, laws_of_joint
 from jointclosure.joint.result_tables import stress_table
-from jointclosure.joint.simulation import simulate
+from jointclosure.joint.simulation import simulate_as_checked
 from jointclosure.joint.stated_conditions import checked_as_stated
 from jointclosure.parameters import Numerics
 from jointclosure.statistics.number_texts import grid_text
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     title = f"{rock.title}, JRC {jrc:g}, {grid}, seed {arguments.seed}"
     print(f"{title}: {checked.load.description()}")
     with closing_bar(checked.cycle_count) as report:
-        closed = simulate(*walls, conditions=conditions, report=report, snapshots=kept)
+        closed = simulate_as_checked(*walls, checked, report, kept)
     strength = rock.intact.compressive_strength
     cycles = checked.cycle_count
     seating = closed.attrs["seating_stress_Pa"]

@@ -138,13 +138,29 @@ def simulate(
     """
     stated = conditions_from(conditions, changes, "simulate", "spacing")
     checked = checked_as_stated(stated, snapshots)
+    return simulate_as_checked(upper, lower, checked, report, snapshots, pristine)
+
+
+def simulate_as_checked(
+    upper: ArrayLike,
+    lower: ArrayLike,
+    checked: CheckedConditions,
+    report: cycling.StepReport | None = None,
+    snapshots: Sequence[float] = (),
+    pristine: Sequence[ArrayLike] | None = None,
+) -> xr.Dataset:
+    """Simulate two walls (y, x) [m] as `simulate`, under conditions from `checked_as_stated`.
+
+    The ``snapshots`` [Pa] were checked with them. Doubts about walls and load are warnings at the
+    line that called the caller.
+    """
     spacing = checked.grid_spacing
     walls = checked_walls(upper, lower, spacing)
     if not checked.unusual_values:
-        warn_of_doubts(*walls, spacing)
+        warn_of_doubts(*walls, spacing, stacklevel=4)
     simulation = Simulation(*walls, checked, snapshots, pristine)
     for doubt in [] if checked.unusual_values else simulation.near_strength():
-        warnings.warn(doubt, stacklevel=2)
+        warnings.warn(doubt, stacklevel=3)
     return simulation.run(report)
 
 

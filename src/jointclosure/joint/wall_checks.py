@@ -55,10 +55,15 @@ def _aligned(upper, lower) -> tuple:
     return upper, lower
 
 
-def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-    """Warn the caller's caller (`UserWarning`) of a probable error of units or orientation."""
+def warn_of_doubts(
+    upper: np.ndarray, lower: np.ndarray, spacing: float, stacklevel: int = 3
+) -> None:
+    """Warn (`UserWarning`) of a probable error of units or orientation.
+
+    The warning is at the line that called the caller, or at another ``stacklevel`` of Python.
+    """
     for doubt in doubts(upper, lower, spacing):
-        warnings.warn(doubt, stacklevel=3)
+        warnings.warn(doubt, stacklevel=stacklevel)
 
 
 def _by_names(name: str, wall):
