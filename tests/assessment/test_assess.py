@@ -19,6 +19,7 @@ from jointclosure.assessment.assess import (
 from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
 from jointclosure.storage.files import read_csv
+from jointclosure.walls.gridding import Scan
 from tests.joints import DOLERITE, SPACING
 
 LADDER = ["coarse", "middle", "fine"]
@@ -282,6 +283,12 @@ def test_bad_input_is_refused_before_a_joint_is_closed(changes, message):
     walls = changes.pop("walls", [(np.zeros((8, 8)),) * 2])
     with pytest.raises(jc.InputError, match=message):
         jc.assess(walls, **SCENE | changes)
+
+
+def test_scans_and_their_grid_spacing_may_be_unusual_where_that_is_allowed():
+    scans = [Scan(height * np.eye(9), (0.1e-3, 0.1e-3)) for height in (1e-4, 2e-4)]
+    with pytest.raises(jc.InputError, match=r"^the fit of the walls is ambiguous"):
+        jc.assess(scans, **SCENE | {"spacing": 0.2, "unusual_values": True})
 
 
 @pytest.mark.parametrize(("apart", "verdict"), [(0.14, "hard"), (0.15, "not stable")])

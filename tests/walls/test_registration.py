@@ -3,6 +3,7 @@
 import re
 import warnings
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -21,7 +22,7 @@ from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, 
 from jointclosure.walls.mating import Mismatch
 from jointclosure.walls.motion import Motion, SlopeFit
 from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
-from jointclosure.walls.overlap import largest_rectangle
+from jointclosure.walls.overlap import Overlap, largest_rectangle
 from jointclosure.walls.pair_remarks import width_remarks
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.position_search import BestFit, _remedy, check_found
@@ -95,6 +96,35 @@ def test_files_whose_names_say_the_other_order_are_warned_of(walls, tmp_path, na
     stated = {"units": "m", "scan_spacing": SPACING}
     found = registered_walls(*files, stated, orientation="common_frame")
     assert any("is taken as the upper wall" in one for one in found.warnings) == warned
+
+
+@pytest.mark.parametrize(
+    ("spacing", "message"),
+    [
+        (0.0, r"spacing = 0.0 m: must be positive"),
+        (0.25, r"spacing = 0.25 m: not usual of rock .* is 0.25 mm meant"),
+    ],
+)
+def test_a_wrong_grid_spacing_is_refused_before_scans_are_inspected(
+    walls, spacing, message, monkeypatch
+):
+    monkeypatch.setattr(registration, "prepared_scans", Mock(side_effect=AssertionError))
+    with pytest.raises(jc.InputError, match=message):
+        registered(grid(0.6e-3 - walls[0]), grid(walls[1]), spacing)
+
+
+@pytest.mark.parametrize("side", ["upper", "lower"])
+def test_a_flat_wall_leaves_the_gap_and_all_holes_to_the_other(side):
+    heights = np.random.default_rng(1).normal(0.0, 1e-4, (2, 9, 12))
+    holes = np.zeros((2, 9, 12), bool)
+    holes[0, 2, 3] = holes[1, 5, 6] = True
+    ends = (np.zeros(2), np.ones(2))
+    overlap = Overlap(*heights, *holes, [1.0, 1.0], 0.0, 0.0, 0, ends, np.zeros(2))
+    flat = overlap.with_flat_wall(side)
+    assert not getattr(flat, side).any()
+    assert not getattr(flat, f"{side}_holes").any()
+    np.testing.assert_array_equal(flat.holes, overlap.holes)
+    np.testing.assert_array_equal(flat.gap[flat.holes], overlap.gap[flat.holes])
 
 
 def test_many_cells_need_a_stated_spacing(walls, monkeypatch):

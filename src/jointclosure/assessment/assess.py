@@ -55,6 +55,7 @@ from jointclosure.uncertainty.numerical_error import NOT_STABLE
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
+from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.wall_files import registered_walls
 
 CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
@@ -571,7 +572,7 @@ def assess(
     given = checked_request(stated, within, budget)
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
-    pairs, spacing = checked_pairs(walls, given.spacing)
+    pairs, spacing = checked_pairs(walls, given)
     return assess_as_checked(
         pairs, on_grid(given, spacing), within, budget, folder, workers, report
     )
@@ -660,17 +661,24 @@ def _with_stated(
     return {name: named[name] for name in (*coarse, *resolved)}
 
 
-def checked_pairs(walls: Any, spacing: float | None) -> tuple[list[Walls], float]:
+def checked_pairs(walls: Any, conditions: CheckedConditions) -> tuple[list[Walls], float]:
     """Return checked pairs of walls and their spacing [m]; scans are registered.
 
-    Raise `InputError` if there are no pairs, walls are not allowed, or arrays have no ``spacing``.
+    Raise `InputError` if there are no pairs, walls are not allowed, or arrays have no spacing in
+    the checked ``conditions``.
     """
-    pairs: Any = [walls] if len(walls) == 2 and not isinstance(walls[0], tuple | list) else walls
+    spacing = conditions.spacing
+    # scans are tuples too
+    one_pair = len(walls) == 2 and (
+        isinstance(walls[0], Scan | Cloud) or not isinstance(walls[0], tuple | list)
+    )
+    pairs: Any = [walls] if one_pair else walls
     if isinstance(walls, np.ndarray) or any(len(pair) != 2 for pair in pairs):
         raise InputError("walls: must be (upper, lower), or a list of such pairs")
     if len(pairs) == 1 and not all(isinstance(wall, np.ndarray) for wall in pairs[0]):
         upper, lower = pairs[0]
-        pair = registered_walls(upper, lower, {}, spacing)
+        unusual = conditions.unusual_values
+        pair = registered_walls(upper, lower, {}, spacing, unusual_values=unusual)
         return [(pair.upper, pair.lower)], pair.spacing
     if spacing is None:
         raise InputError("spacing = None: must be given for walls that are arrays")

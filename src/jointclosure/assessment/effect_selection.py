@@ -339,7 +339,7 @@ def choose_effects(
     given = checked_as_stated(conditions_from(conditions, changes, "choose_effects"), varied=True)
     check_below("tolerance", tolerance, 1.0)
     check_count("joints", joints, 1, 100_000)
-    pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), given.spacing)
+    pairs, spacing = checked_pairs(list(itertools.islice(walls, MOST_PAIRS)), given)
     if not given.unusual_values:
         for upper, lower in pairs:
             warn_of_doubts(upper, lower, spacing)

@@ -37,7 +37,8 @@ def run(arguments: argparse.Namespace) -> int:
     checked = checked_request(Conditions(spacing=spacing, **stated), **asked)
     scans, grid = (options.given(arguments, names) for names in (options.SCANS, options.PLACES))
     walls = arguments.upper, arguments.lower
-    pair = registered_walls(*walls, scans, checked.spacing, **grid)
+    unusual = checked.unusual_values
+    pair = registered_walls(*walls, scans, checked.spacing, unusual_values=unusual, **grid)
     print("\n".join(f"- {line}" for line in pair.report), flush=True)
     arguments.output.mkdir(exist_ok=True)
     with bar("closing") as show:
