@@ -30,21 +30,13 @@ class PreparedScans(NamedTuple):
     lower: Scan | Cloud
     levelling: Motion | None  # by which the scan that states the frame of the walls was turned
     distance: float  # of points [m], with spikes, as `_common_distance`
+    shortest_waves: tuple[float, float]  # [m] that the upper and the lower scan resolve; 0: all
     remarks: list[str]
 
     @property
     def flat_side(self) -> str | None:
         """Side of the flat wall, None if both walls were scanned."""
         return next((side for side in SIDES if side not in self.measured), None)
-
-    @property
-    def shortest_waves(self) -> tuple[float, float]:
-        """Shortest waves [m] that the upper and the lower scan resolve; 0: all."""
-        upper, lower = (
-            shortest_wave(self.measured[side], self.level[side]) if side in self.measured else 0.0
-            for side in SIDES
-        )
-        return upper, lower
 
     @property
     def rounding_of_sum(self) -> float:
@@ -121,7 +113,12 @@ def prepared_scans(scans: dict[str, Scan | Cloud], options: RegistrationOptions)
     for side, scan in in_frame.items():
         remarks += with_side(side, [*scan.remarks, *cut.get(side, ())])
     upper, lower = _both_walls(in_frame, options.orientation)
-    return PreparedScans(measured, level, upper, lower, levelling, distance, remarks)
+    waves = [
+        shortest_wave(measured[side], level[side]) if side in measured else 0.0 for side in SIDES
+    ]
+    return PreparedScans(
+        measured, level, upper, lower, levelling, distance, (waves[0], waves[1]), remarks
+    )
 
 
 def _without_defects(
