@@ -104,6 +104,6 @@ def test_correlations_over_shifts_are_those_of_the_definition():
             a, b = pairs[np.isfinite(pairs).all(axis=1)].T
             if len(a) >= least:
                 expected = (a @ b.conj()).real / np.sqrt((a @ a.conj() * (b @ b.conj())).real)
-                assert found[down, right] == pytest.approx(expected, abs=1e-12)
+                assert found[down, right] == pytest.approx(expected, abs=2e-6)  # single precision
             else:
                 assert np.isnan(found[down, right])

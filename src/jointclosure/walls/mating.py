@@ -158,7 +158,8 @@ def slope_correlations(
     in cells; index 0 is no shift, and negative shifts are at the end. Means are not subtracted. The
     correlation is NaN where fewer known slopes meet than the share ``least_overlap`` of those of
     the field that has fewer. All shifts are computed at once by Fourier transforms; slopes along x
-    and y are the parts of complex numbers.
+    and y are the parts of complex numbers. Single precision suffices, as the best shift is only the
+    start of a finer fit.
     """
     size = [scipy.fft.next_fast_len(n - 2, True) for n in np.add(fixed.shape, shape).tolist()]
 
@@ -166,8 +167,8 @@ def slope_correlations(
         """Transform slopes, their squares, and which are known."""
         slopes = np.diff(field, axis=1)[:-1] + 1j * np.diff(field, axis=0)[:, :-1]
         known = np.isfinite(slopes)
-        slopes = np.where(known, slopes, 0.0)
-        real = (np.abs(slopes) ** 2, known.astype(float))
+        slopes = np.where(known, slopes, 0.0).astype(np.complex64)
+        real = (np.abs(slopes) ** 2, known.astype(np.float32))
         return scipy.fft.fft2(slopes, size), *(scipy.fft.rfft2(r, size) for r in real), known.sum()
 
     slopes, squares, ones, count = waves(fixed)
