@@ -23,6 +23,7 @@ from jointclosure.joint.rocks import named_rock
 from jointclosure.joint.tables import stress_table
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty import scanned_joint
+from jointclosure.uncertainty.budget import AT_END
 from jointclosure.uncertainty.results import QUANTITIES
 from jointclosure.uncertainty.sources import ALL
 from jointclosure.walls.registration import registered
@@ -195,6 +196,22 @@ def test_values_without_a_range_say_why(ranged):
     _, out, _ = ranged
     assert "Barton-Bandis values have no range, because JRC and JCS are taken as exact" in out
     assert "taken as exact, and not varied in the range: Young's modulus" in out
+
+
+def test_a_result_at_an_end_of_its_range_says_why(ranged):
+    _, out, record = ranged
+    rows = [row for row in record["range"] if row["high"] > row["low"]]
+    at_end = [
+        row["quantity"]
+        for row in rows
+        if min(row["best"] - row["low"], row["high"] - row["best"])
+        <= AT_END * (row["high"] - row["low"])
+    ]
+    (line,) = [line for line in out.split("\n") if "range on one side" in line] or [""]
+    assert bool(at_end) == bool(line)
+    for row in rows:
+        name = QUANTITIES[row["quantity"]].rpartition(" (")[0]
+        assert (f"{name}, cycle 1" in line) == (row["quantity"] in at_end)
 
 
 def test_each_source_of_the_range_has_its_share(ranged):
@@ -445,7 +462,10 @@ def test_a_report_lists_its_warnings_in_the_place_of_a_success():
 def test_a_report_without_warnings_has_the_status_of_the_simulation():
     assert report._notes(RECORD | {"status": "success", "warnings": []})[1] == "Success."
     outside = RECORD | {"status": "success: outside_model_range", "warnings": []}
-    assert report._notes(outside)[1] == "Status of the simulation: outside_model_range."
+    assert report._notes(outside)[1] == (
+        "The simulation ended as it should, but: outside of the range in which the model holds; "
+        "contacts that cannot break (flat or locked) carried over 10 % of the force at a maximum."
+    )
     failed = RECORD | {"status": "failed: cannot_equilibrate", "warnings": ["holes"]}
     assert report._notes(failed)[1] == "Failed: cannot_equilibrate."
 

@@ -16,7 +16,7 @@ from jointclosure.exports.loading import Exported
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
 from jointclosure.joint.laws import JointLaws, fitted_laws, law_curves
-from jointclosure.joint.status import LOADING, ONLY_BOUNDS, STATUSES, failed
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS, failed, flags_of
 from jointclosure.joint.tables import (
     HYDRAULIC,
     columns_of,
@@ -31,6 +31,8 @@ from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 from jointclosure.uncertainty.results import APERTURE, FITTED, KNI, VM, results_of, table_of
 from jointclosure.uncertainty.results import QUANTITIES as BUDGETED
 
+ENDED_WELL = "the simulation ended as it should, but"
+"""Words before those of the flags of a status that is not a failure."""
 _BOUNDS = (
     "the hydraulic aperture is left empty there, and its bounds are smallest_hydraulic and "
     "largest_hydraulic; they are to be used, or a lower maximum stress"
@@ -363,22 +365,21 @@ def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
 
 
 def status_text(closed: xr.Dataset) -> str:
-    """Return success or failure, with the remarks of the status in words."""
-    about = closed.status.attrs
-    status = int(closed.status)
-    named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
-    remarks = ", ".join(name for mask, name in named if status & int(mask))
+    """Return success or failure, with the names of the flags of the status, for files."""
+    remarks = ", ".join(flag.name for flag in flags_of(int(closed.status)))
     word = "failed" if failed(closed) else "success"
     return f"{word}: {remarks}" if remarks else word
 
 
 def status_lines(closed: xr.Dataset) -> list[str]:
-    """Return the status, and below it the meaning and the remedy of each of its flags."""
-    flags = [flag for bit, flag in STATUSES.items() if int(closed.status) & bit]
+    """Return the status in words, and below it the meaning and the remedy of each of its flags."""
+    flags = flags_of(int(closed.status))
+    outcome = "failed" if failed(closed) else ENDED_WELL
     return [
-        status_text(closed),
-        *(f"- {flag.name}: {flag.meaning}; {flag.remedy}".replace("`", "") for flag in flags),
-    ]
+        f"{outcome}: {', '.join(flag.words for flag in flags)}" if flags else "success",
+        *(f"- {flag.meaning}; {flag.remedy} (status {flag.name})".replace("`", "")
+          for flag in flags),
+    ]  # fmt: skip
 
 
 def attributes(settings: Mapping[str, Any]) -> dict[str, str]:

@@ -63,6 +63,11 @@ LEAST_SHARE = 0.005  # of a source that is named: half a percent
 MOVES = 0.1
 """Change of a result by one source alone, over the width of the range, from which a share below
 `LEAST_SHARE` is called undetermined: few random joints do not show what the source does."""
+AT_END = 0.05
+"""Distance of the usual value from an end of its range, over the width of the range, up to which
+the range is called one-sided."""
+_OF_SCANS = ("registration", "noise", "resolution", "scale", "holes")
+"""Sources of a range that are errors of the scans and of their position."""
 _WHY_UNDETERMINED = {
     KNI: "whose loading begins so flat that the fitted kni is less than its standard error",
     VM: "whose loading hardly bends (Vm is more than "
@@ -133,6 +138,7 @@ class Budget(NamedTuple):
             )
         for quantity in (closure, STIFFNESS):
             lines += self._numerical_error(quantity)
+        lines += self.one_sided()
         lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
         for quantity, rows in self.ranges.groupby("quantity", sort=False):
             absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
@@ -155,6 +161,26 @@ class Budget(NamedTuple):
                 f"{key_of(exact[-1])} LOW HIGH, or ranges= in Python, adds their ranges)"
             )
         return lines
+
+    def one_sided(self) -> list[str]:
+        """Name in one line the results that lie at an end of their range, and why they do."""
+        names: dict[str, list[str]] = {}
+        for (cycle, quantity), row in self.ranges.iterrows():
+            best, low, high = row[["best", *ENDS]].astype(float)
+            if not self.modelled(cycle, quantity) or not high > low:
+                continue
+            if min(best - low, high - best) <= AT_END * (high - low):
+                names.setdefault(QUANTITIES[quantity].rpartition(" (")[0], []).append(str(cycle))
+        if not names:
+            return []
+        here = [TITLES[name] for name in _OF_SCANS if (self.results.source == name).any()]
+        due = f" ({', '.join(here)})" if here else ""
+        results = "; ".join(f"{name}, cycle {', '.join(of)}" for name, of in names.items())
+        return [
+            f"range on one side of the usual value: {results}: the value is that of the walls as "
+            f"registered, with usual inputs, and what is not known{due} changes it almost only in "
+            "one direction"
+        ]
 
     def _undetermined(self) -> list[str]:
         """Describe how many joints have no constant of a hyperbola, and why."""
