@@ -69,7 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
     joint = joint._replace(history=results.write_animation(joint.history, arguments, title))
     about = results.attributes(stated)
     cycle = arguments.export_cycle
-    exported = results.exported(joint.history, title, curves, joint.laws, cycle)
+    in_list = joint.budget is not None
+    exported = results.exported(joint.history, title, curves, joint.laws, cycle, in_list)
     files = _files(joint, scans, about, title, answer, exported, cycle)
     wrote = results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
@@ -173,6 +174,7 @@ def _record(
         "per_cycle": {name: results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
+        "exports": exported.remarks,
         "exports_of": "" if results.failed(history) else loading_text(history, cycle),
         **answer,
     }

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.execution.workers import in_threads
-from jointclosure.inputs.remarks import caution
+from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.history import history_of
@@ -148,6 +148,12 @@ class Budget(NamedTuple):
                     "0 in the model whatever the inputs are"
                 )
         lines += self._undetermined()
+        return lines + self._left_out()
+
+    def _left_out(self) -> list[str]:
+        """Name failed variants, and what is not varied in the range."""
+        lines = []
+        closure = next(iter(QUANTITIES))
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
@@ -181,6 +187,23 @@ class Budget(NamedTuple):
             f"registered, with usual inputs, and what is not known{due} changes it almost only in "
             "one direction"
         ]
+
+    def main_sentences(self) -> list[str]:
+        """Describe the range in a few lines: its sides, sources, errors, and what it leaves out.
+
+        Warnings are those of `sentences`, which has the details.
+        """
+        closure = next(iter(QUANTITIES))
+        cycles = self.ranges.index.unique("cycle")
+        shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
+        parts = [f"cycle {cycle}: {self._shares_text(cycle, closure)}" for cycle in shown]
+        choices = " with other choices of the model" if self.choices else ""
+        shares = f"shares in the range of net closure{choices}, {'; '.join(parts)}"
+        lines = [*self.one_sided(), shares]
+        errors = [line for name in (closure, STIFFNESS) for line in self._numerical_error(name)]
+        all_lines = self.sentences()
+        kept = [line for line in all_lines if line in (*errors, *cautions(all_lines))]
+        return lines + kept + self._left_out()
 
     def _undetermined(self) -> list[str]:
         """Describe how many joints have no constant of a hyperbola, and why."""
