@@ -12,6 +12,7 @@ docs/two_scans.md is a tutorial.
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -82,22 +83,34 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
-    """Return the stated ranges [SI] by name; raise `InputError` if one cannot be read."""
+    """Return the stated ranges [SI] by name; raise one `InputError` of all that are wrong."""
     ranges: dict[str, tuple[float, float]] = {}
+    problems = []
     for key, *ends in stated:
         try:
-            values = [float(end) for end in ends]
-        except ValueError:
-            raise InputError(f"--range {key} {' '.join(ends)}: must end in two numbers") from None
-        if key not in VARIED.values():
-            known = ", ".join(VARIED.values())
-            meant = did_you_mean(key, VARIED.values())
-            raise InputError(f"--range {key}: must be one of {known}{meant}")
-        ((name, (low, high)),) = to_si({key: values}).items()
+            name, low, high = _range(key, ends)
+        except InputError as error:
+            problems.append(str(error))
+            continue
         if name in ranges:
-            raise InputError(f"--range {key}: must be given once")
+            problems.append(f"--range {key}: must be given once")
         ranges[name] = low, high
+    options.refuse(problems)
     return ranges
+
+
+def _range(key: str, ends: Sequence[str]) -> tuple[str, float, float]:
+    """Return name and ends [SI] of a stated range; raise `InputError` if it cannot be read."""
+    try:
+        values = [float(end) for end in ends]
+    except ValueError:
+        raise InputError(f"--range {key} {' '.join(ends)}: must end in two numbers") from None
+    if key not in VARIED.values():
+        known = ", ".join(VARIED.values())
+        meant = did_you_mean(key, VARIED.values())
+        raise InputError(f"--range {key}: must be one of {known}{meant}")
+    ((name, (low, high)),) = to_si({key: values}).items()
+    return name, low, high
 
 
 def _files(
