@@ -180,17 +180,22 @@ def draw(axes, axis: str, table: pd.DataFrame) -> None:
         error = (part.ms - part["ms min"], part["ms max"] - part.ms)
         slopes = [f"{part.exponent.iloc[i]:.2f} ± {part['standard error'].iloc[i]:.2f}"
                   for i in (0, -1)]  # fmt: skip
-        slope = f"exponent {slopes[0]}\nto {slopes[1]}".replace("-", "−")
-        name = f"{SCENE_TITLES.get(scene, scene)}: {slope}"
-        axes.errorbar(x, part.ms, error, fmt="os"[k], color=f"C{k}", capsize=3, ms=5, label=name)
+        slope = f"exponent {slopes[0]} (left end)\nand {slopes[1]} (right end)"
+        name = f"{SCENE_TITLES.get(scene, scene)}: {slope.replace('-', '−')}"
+        error = [1e-3 * side for side in error]
+        axes.errorbar(
+            x, 1e-3 * part.ms, error, fmt="os"[k], color=f"C{k}", capsize=3, ms=5, label=name
+        )
         fine = np.geomspace(x[0], x[-1], 100)
         curve = {}
         for column in ("fitted ms", "low ms", "high ms"):
-            through = np.polyfit(np.log(x), np.log(part[column]), min(3, x.size - 1))
+            through = np.polyfit(np.log(x), np.log(1e-3 * part[column]), min(3, x.size - 1))
             curve[column] = np.exp(np.polyval(through, np.log(fine)))
         axes.plot(fine, curve["fitted ms"], "--", color=f"C{k}", lw=1)
         axes.fill_between(fine, curve["low ms"], curve["high ms"], color=f"C{k}", alpha=0.15, lw=0)
-    axes.set(xscale="log", yscale="log", title=title, xlabel=label, ylabel="time (ms)")
+    axes.set(xscale="log", yscale="log", title=title, xlabel=label, ylabel="processor time (s)")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     values = sorted(set(table["value"][table.axis == axis]))
     names = [f"{value:g}{'²' * (axis == 'cells')}" for value in values]
     axes.set_xticks(abscissa(axis, values), names)

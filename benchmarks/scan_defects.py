@@ -5,16 +5,20 @@ Hurst exponents from 0.5 to 0.9, a roll-off, ordinary noise, missing heights or 
 appear as longer ones; a scan may be added by --scans. Warnings of undamaged walls are false alarms.
 
     .venv/bin/python -m benchmarks.scan_defects [--pairs 20] [--scans FILE ...] [--units mm]
+    .venv/bin/python -m benchmarks.scan_defects --noise
     .venv/bin/python -m benchmarks.scan_defects --close --pairs 4
 
-The second command closes pairs of 64 cells (granite, 10 MPa) with their range: closures over those
-of the undamaged walls, before (damaged walls as they are) and after (best and range of `close`).
+The second command states how often the interval of a scanner's noise contains the noise that was
+added to walls, whose spectrum is whole or ends at a circle. The third one closes pairs of 64 cells
+(granite, 10 MPa) with their range: closures over those of the undamaged walls, before (damaged
+walls as they are) and after (best and range of `close`).
 """
 
 import argparse
 import math
 import warnings
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,7 +40,8 @@ from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
-from jointclosure.walls.scan_quality import resolution_remarks
+from jointclosure.walls.scan_quality import noise_of_grid, resolution_remarks
+from jointclosure.walls.spectrum_end import spectrum_end
 
 SPACING, CELLS = 0.25e-3, 64
 Damage = Callable[[np.ndarray, np.random.Generator], np.ndarray]
@@ -101,6 +106,30 @@ def _rim(wall: np.ndarray, width: int, height: float) -> np.ndarray:
     return result
 
 
+def ended(wall: np.ndarray, radius: float) -> np.ndarray:
+    """Return a wall without waves beyond a circle, over the largest wave number along an axis."""
+    axes = tuple(slice(0.0, 1.0 - 1.0 / n, 1j * n) for n in wall.shape)
+    inside = np.hypot(*np.ogrid[axes]) < radius
+    return scipy.fft.idctn(scipy.fft.dctn(wall, norm="ortho") * inside, norm="ortho")
+
+
+def _ended(radius: float, share: float = 0.0) -> Damage:
+    """Return damage that ends a spectrum at a circle, and adds a share of a step of noise."""
+
+    def damage(wall: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        result = ended(wall, radius)
+        return result + share * _steps(wall) * random.standard_normal(wall.shape)
+
+    return damage
+
+
+def _turned(degrees: float) -> Damage:
+    """Return damage that turns a grid, with heights interpolated by cubic splines."""
+    return lambda wall, _: scipy.ndimage.rotate(
+        wall, degrees, reshape=False, order=3, mode="mirror"
+    )
+
+
 DEFECTS = {
     "mean of 3 x 3": Defect(lambda w, r: scipy.ndimage.uniform_filter(w, 3)),
     "mean of 5 x 5": Defect(lambda w, r: scipy.ndimage.uniform_filter(w, 5)),
@@ -126,6 +155,14 @@ DEFECTS = {
     "half of the rows aside": Defect(_aside("half"), False),
     "rim of 2 cells, 3 steps high": Defect(lambda w, r: _rim(w, 2, 3.0), False),
     "rim of 2 cells, 1 step high": Defect(lambda w, r: _rim(w, 2, 1.0), False),
+    "spectrum to a circle of 1": Defect(_ended(1.0)),
+    "spectrum to a circle of 0.8": Defect(_ended(0.8)),
+    "circle of 1, noise of a tenth of a step": Defect(_ended(1.0, 0.1)),
+    "circle of 0.8, noise of a tenth of a step": Defect(_ended(0.8, 0.1)),
+    "circle of 1, noise of three tenths": Defect(_ended(1.0, 0.3)),
+    "circle of 0.8, noise of three tenths": Defect(_ended(0.8, 0.3)),
+    "turned by 7 degrees by cubic splines": Defect(_turned(7.0)),
+    "turned by 45 degrees by cubic splines": Defect(_turned(45.0)),
     "upper wall times 1.1": Defect(lambda w, r: 1.1 * w, False),
     "upper wall times 1.03": Defect(lambda w, r: 1.03 * w, False),
 }
@@ -206,6 +243,37 @@ def judged(pairs: int, scans: dict[str, Scan | Cloud]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def noise_held(pairs: int) -> pd.DataFrame:
+    """Count intervals of a scanner's noise that contain the noise that was added to walls.
+
+    Walls have waves to the corners of the square of wave numbers (radius 0), or to a circle.
+    """
+    rows = []
+    for cells, radius, share in product((48, 64, 128), (0.0, 0.8, 0.9, 1.0), (0.1, 0.3, 0.6)):
+        held = []
+        ratios = []
+        clear = []
+        for number in range(pairs):
+            random = generator(seed_of(4, "noise", number))
+            shape = (2 * cells, 2 * cells)
+            wall = jc.wall_pair(8.0, shape, SPACING, number, roll_off=None, unusual_values=True)[0]
+            wall = (ended(wall, radius) if radius else wall)[:cells, :cells]
+            noise = share * _steps(wall)
+            scan = scan_of(wall + noise * random.standard_normal(wall.shape))
+            low, high = noise_of_grid(scan)
+            held.append(low <= noise <= high)
+            ratios.append(high / noise)
+            end = spectrum_end(scan)
+            clear.append(end is not None and end.clear)
+        interval = scipy.stats.binomtest(sum(held), pairs).proportion_ci(method="exact")
+        rows.append({
+            "cells": cells, "radius": radius, "noise_in_steps": share, "scans": pairs,
+            "warned": sum(clear), "held": sum(held), "held_low": interval.low,
+            "held_high": interval.high, "high_end_over_noise": float(np.median(ratios)),
+        })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
 def closures(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
     """Simulate two walls (y, x) [m]; return the net closures (2,) [mm] of both cycles."""
     conditions = Conditions(SPACING, "granite", 10e6, 2, numerics=RESOLVED).checked()
@@ -263,6 +331,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--pairs", type=int, default=20)
     parser.add_argument("--close", action="store_true")
+    parser.add_argument("--noise", action="store_true")
     parser.add_argument("--defects", nargs="*", default=list(DEFECTS), choices=list(DEFECTS))
     parser.add_argument("--scans", nargs="*", default=[], help="undamaged scans to be judged")
     parser.add_argument("--units", default=None)
@@ -276,6 +345,9 @@ def main() -> None:
         write_csv(table, options.output / "closures.csv")
         result = summary(table)
         write_csv(result, options.output / "summary.csv")
+    elif options.noise:
+        result = noise_held(options.pairs)
+        write_csv(result, options.output / "noise.csv")
     else:
         stated = {"units": options.units, "variable": options.variable}
         scans = {

@@ -144,9 +144,9 @@ def overview() -> Figure:
     jc.plot.aperture(joint, 0, contacts)
     _band(curves, ensemble)
     section.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
-    section.set_title("two walls at first touch, heights enlarged")
-    contacts.set_title("the joint at 10 MPa")
-    curves.set_title("closure of 20 pairs: mean and 90 % band")
+    section.set_title("Two walls at first touch, heights stretched")
+    contacts.set_title("Aperture at 10 MPa")
+    curves.set_title("Mean closure of 20 joints, band of 90 %")
     return figure
 
 
@@ -216,7 +216,11 @@ def _band(axes: Axes, ensemble: xr.Dataset) -> None:
         closure, stress = net.sel(cycle=cycle, branch=branch), 1e-6 * net.stress.values
         low, high = (closure.quantile(share, "realization").values for share in (0.05, 0.95))
         mean, colour = closure.mean("realization").values, ("C0", "C1")[cycle - 1]
-        style = {"color": "0.2", "ls": "--", "label": "unloading" if cycle == 1 else None}
+        style = {
+            "color": "0.2",
+            "ls": "--",
+            "label": "both cycles, unloading" if cycle == 1 else None,
+        }
         if branch == "loading":  # from seating on
             low, high, mean, stress = (np.insert(of, 0, 0.0) for of in (low, high, mean, stress))
             stress[0] = 0.5

@@ -112,11 +112,11 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
     axes.plot([], [], "|", color="0.5", ms=9, label=bar)
     axes.axhspan(0.0, 0.0, color="0.9", label=f"within the request of {percent:g} %")
     words = f"change of mean closure (%){scale}"
-    return _finished(axes, "processor time of a joint with this setting", words)
+    return _finished(axes, "setting, and processor time of a joint with it", words)
 
 
 def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw errors [%] of settings beside each other, the fastest first, with the times as ticks.
+    """Draw errors [%] of settings beside each other, the fastest first; ticks are names and times.
 
     Marks of gross closure are hollow. A band has the request ``within`` [%].
     """
@@ -144,7 +144,8 @@ def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
         name = f"{ASSESSED[quantity]}, cycle {cycle}"
         axes.plot([], [], "o", color=f"C{cycle - 1}", mfc=fill, label=name)
     axes.set_xlim(-0.5, len(seconds) - 0.5)
-    ticks_at(axes.xaxis, range(len(seconds)), [f"{value:.2g} s" for value in seconds])
+    ticks = [f"{name.removeprefix('the ')}\n{value:.2g} s" for name, value in seconds.items()]
+    ticks_at(axes.xaxis, range(len(seconds)), ticks)
 
 
 @styled

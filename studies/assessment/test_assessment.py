@@ -159,9 +159,10 @@ def test_marks_of_one_setting_lie_beside_each_other_above_its_time(tables):
     table = tables["assessment"]
     settings = table[(table.verdict == "") & (table.variant != table.reference)]
     for axes, (_, part) in zip(figure.axes, settings.groupby("stress_MPa"), strict=True):
-        seconds = sorted(part.groupby("variant").seconds.first())
+        seconds = part.groupby("variant").seconds.first().sort_values()
         labels = [text.get_text() for text in axes.get_xticklabels()]
-        assert labels == [f"{value:.2g} s" for value in seconds]
+        names = [f"{name.removeprefix('the ')}\n{value:.2g} s" for name, value in seconds.items()]
+        assert labels == names
         marks = [one.lines[0] for one in axes.containers]
         for shape in {one.get_marker() for one in marks}:
             places = [one.get_xdata()[0] for one in marks if one.get_marker() == shape]

@@ -23,6 +23,7 @@ from jointclosure.joint.result_tables import stress_table
 from jointclosure.joint.rocks import named_rock
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty import scanned_joint
+from jointclosure.uncertainty.budget import AT_END
 from jointclosure.uncertainty.ranged_results import RANGED_RESULTS
 from jointclosure.uncertainty.sources import ALL
 from jointclosure.walls.registration import registered
@@ -194,10 +195,52 @@ def test_the_range_of_a_joint_is_printed(ranged):
     assert record["range"][0]["text"] in out
 
 
+def test_the_screen_has_forty_lines_at_most_and_every_warning(ranged):
+    """Without bars of progress; results of one cycle or of two take as many lines."""
+    _, out, record = ranged
+    lines = [line for line in out.splitlines() if not line.startswith("range: ")]
+    assert len(lines) - len(record["warnings"]) <= 40
+    assert all(f"- {warning}" in lines for warning in record["warnings"])
+    assert set(record["with_other_choices"]["cycle 1"]) == set(record["table"]["cycle 1"])
+    assert len(record["found"]) > 5
+    assert len(record["remarks"]) > 5
+
+
+def test_the_screen_says_of_which_cycle_exports_are_and_their_error_with_choices(ranged):
+    """As the files do, of which each has its own error."""
+    folder, out, record = ranged
+    (geos,) = re.findall(r"geos_barton_bandis.xml, of cycle 1: .* is off by up to (.*); with other "
+                         r"choices of the model it is off by up to (.*)\n", out)  # fmt: skip
+    file = (folder / "geos_barton_bandis.xml").read_text()
+    of_files = re.findall(r"off by up to (\S+) um, (\S+) %", file)
+    assert " um, ".join(of_files[0]) + " %" == geos[0]
+    with_choices = max(float(um) for um, _ in of_files[-2:])
+    assert geos[1].startswith(f"{with_choices:g} um")
+    assert "PorePy, UDEC, 3DEC, of cycle 1: the stiffness" in out
+    assert "with other choices of the model by up to" in out
+    assert all(f"- {line}" in out for line in record["exports"][1:])
+
+
 def test_values_without_a_range_say_why(ranged):
     _, out, _ = ranged
     assert "Barton-Bandis values have no range, because JRC and JCS are taken as exact" in out
     assert "taken as exact, and not varied in the range: Young's modulus" in out
+
+
+def test_a_result_at_an_end_of_its_range_says_why(ranged):
+    _, out, record = ranged
+    rows = [row for row in record["range"] if row["high"] > row["low"]]
+    at_end = [
+        row["quantity"]
+        for row in rows
+        if min(row["best"] - row["low"], row["high"] - row["best"])
+        <= AT_END * (row["high"] - row["low"])
+    ]
+    (line,) = [line for line in out.split("\n") if "range on one side" in line] or [""]
+    assert bool(at_end) == bool(line)
+    for row in rows:
+        name = RANGED_RESULTS[row["quantity"]].rpartition(" (")[0]
+        assert (f"{name}, cycle 1" in line) == (row["quantity"] in at_end)
 
 
 def test_each_source_of_the_range_has_its_share(ranged):
@@ -302,10 +345,11 @@ def test_all_files_are_of_the_joint_as_it_was_closed(scans, tmp_path, command):
 def test_the_noise_of_each_scan_is_stated_apart_from_roughness_below_the_grid(
     scans, tmp_path, command
 ):
-    _, out, _ = command("close", *scans, *WORDS, *COARSE, "--cycles", 1, "--output", tmp_path)
+    command("close", *scans, *WORDS, *COARSE, "--cycles", 1, "--output", tmp_path)
+    found = "\n".join(json.loads((tmp_path / "joint.json").read_text())["found"])
     for side in ("upper", "lower"):
-        assert f"{side} wall: the noise of the scanner" in out
-    assert "roughness too short for the grid" in out
+        assert f"{side} wall: the noise of the scanner" in found
+    assert "roughness too short for the grid" in found
 
 
 STATED = {"--tolerance 0.05": 0.05, "--force-tolerance 1e-6": 0.02, "--breakage fixed_step": None}
@@ -448,7 +492,10 @@ def test_a_report_lists_its_warnings_in_the_place_of_a_success():
 def test_a_report_without_warnings_has_the_status_of_the_simulation():
     assert report._notes(RECORD | {"status": "success", "warnings": []})[1] == "Success."
     outside = RECORD | {"status": "success: outside_model_range", "warnings": []}
-    assert report._notes(outside)[1] == "Status of the simulation: outside_model_range."
+    assert report._notes(outside)[1] == (
+        "The simulation ended as it should, but: outside of the range in which the model holds; "
+        "contacts that cannot break (flat or locked) carried over 10 % of the force at a maximum."
+    )
     failed = RECORD | {"status": "failed: cannot_equilibrate", "warnings": ["holes"]}
     assert report._notes(failed)[1] == "Failed: cannot_equilibrate."
 

@@ -73,9 +73,24 @@ def test_a_failed_simulation_ends_with_its_status_in_words(command, monkeypatch)
     monkeypatch.setattr(Simulation, "run", failing)
     code, out, _ = command("simulate", "--rock", "slate", *SMALL)
     assert code == 1
-    assert "failed: outside_model_range, rigid_contact" in out
+    assert f"failed: {STATUSES[2].words}, {STATUSES[64].words}" in out
     for flag in (STATUSES[2], STATUSES[64]):  # what to do is on the screen
-        assert f"- {flag.name}: {flag.meaning}; {flag.remedy}\n" in out
+        assert f"- {flag.meaning}; {flag.remedy} (status {flag.name})\n" in out
+
+
+def test_a_joint_that_ended_well_outside_of_the_model_says_so_in_words(command, monkeypatch):
+    run = Simulation.run
+
+    def outside(*given):
+        closed = run(*given)
+        closed["status"] = closed.status.copy(data=np.int16(2))
+        return closed
+
+    monkeypatch.setattr(Simulation, "run", outside)
+    code, out, _ = command("simulate", "--rock", "slate", *SMALL)
+    assert code == 0
+    assert "ended as it should, but: outside of the range in which the model holds" in out
+    assert "success: outside_model_range" not in out
 
 
 OF_CURVE = ["--rock", "granite", "--jrc", "10", "--cells", "12", "--surfaces", "4"]

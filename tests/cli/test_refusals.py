@@ -99,6 +99,30 @@ def test_what_is_wrong_is_one_line_that_names_it(words, message, command):
     assert message in err
 
 
+def test_all_wrong_options_of_a_command_are_listed_together(command):
+    words = ["simulate", "--jrc", 8, "--youngs-modulus", 52000, "--strength", 1e5]
+    code, _, err = command(*words)
+    assert (code, err.count("\n")) == (2, 1)
+    for text in ("--youngs-modulus 52000: not usual", "--strength 100000: not usual",
+                 "without --rock (such as --rock granite): --poisson-ratio, --stress"):  # fmt: skip
+        assert text in err
+    both = ["--range", "strength", 1, 2, "--range", "spacing_mm", 1, "x"]
+    _, _, err = command("close", *SCANS, *GRANITE, *both)
+    assert "--range strength: must be one" in err
+    assert "--range spacing_mm 1 x: must end in two numbers" in err
+
+
+def test_a_wrong_spacing_or_unit_of_one_wall_is_named(command):
+    files = ["top.npy", "bottom.npy", "--stress", 2, *GRANITE]
+    _, _, err = command("close", *files, "--units", "um", "--scan-spacing", 0.25)
+    assert "--scan-spacing, in mm), it may be wrong instead" in err
+    for units in ("mm,inch", "mm,m"):
+        code, _, err = command("close", *files, "--units", units, "--scan-spacing", 0.25)
+        assert (code, err.count("\n")) == (2, 1)
+        lower = units.partition(",")[2]
+        assert f"stated as mm for the upper wall and {lower} for the lower one" in err
+
+
 @pytest.mark.parametrize("name", ["fit", "validate"])
 def test_a_load_in_kilonewtons_is_no_stress_without_its_area(tmp_path, command, name):
     """25 kN on 2500 mm2 are 10 MPa."""

@@ -536,6 +536,16 @@ def test_a_range_of_the_share_in_contact_lies_about_that_of_the_joint():
     assert 0.6 < low < 0.8 < high < 0.95
 
 
+def test_a_result_at_an_end_of_its_range_says_why():
+    moved = np.array([1.0, 1.0, 2.0, 1.2, 1.8])
+    (line,) = budget_of({CLOSURE_NET: moved, CLOSURE_GROSS: moved + 1.0}).one_sided()
+    assert "net closure since seating, cycle 1" in line
+    assert "almost only in one direction" in line
+    assert line in budget_of({CLOSURE_NET: moved, CLOSURE_GROSS: moved + 1.0}).sentences()
+    around = np.array([1.0, 0.8, 1.25, 0.9, 1.1])
+    assert not budget_of({CLOSURE_NET: around, CLOSURE_GROSS: around + 1.0}).one_sided()
+
+
 @pytest.mark.parametrize("missing", [5, 1])
 def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
     """Of all joints, or of one of those with random values."""

@@ -8,6 +8,7 @@ import scipy
 
 import jointclosure as jc
 from benchmarks.registration import rotation
+from benchmarks.scan_defects import ended
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.sources import sources_of
 from jointclosure.uncertainty.variants import Variant
@@ -25,6 +26,7 @@ from jointclosure.walls.scan_quality import (
     rounding_of,
     shortest_wave,
 )
+from jointclosure.walls.spectrum_end import spectrum_end
 
 SPACING = 0.25e-3
 SHAPE = (96, 96)
@@ -207,6 +209,35 @@ def test_noise_is_found_beside_missing_or_rounded_heights():
 def test_a_filtered_scan_tells_no_noise():
     fine, _ = jc.wall_pair(8.0, (128, 128), SPACING, 5, 0.8, roll_off=None, unusual_values=True)
     assert np.isnan(noise_of_scan(scan_of(scipy.ndimage.uniform_filter(fine, 3)))).all()
+
+
+@pytest.mark.parametrize("radius", [0.8, 1.0])
+@pytest.mark.parametrize("cells", [48, 72])
+def test_a_spectrum_that_ends_at_a_circle_is_warned_of_and_its_noise_is_stated(radius, cells):
+    """By growth with distance alone, the interval ended below the noise, at 0 in most scans."""
+    for seed in range(3):
+        wall, _ = jc.wall_pair(8.0, (2 * cells, 2 * cells), SPACING, seed, roll_off=None,
+                               unusual_values=True)  # fmt: skip
+        wall = ended(wall, radius)[:cells, :cells]
+        noise = 0.1 * np.sqrt(np.mean(np.diff(wall, axis=1) ** 2))
+        heights = wall + noise * np.random.default_rng(seed).standard_normal(wall.shape)
+        assert resolution_remarks(scan_of(wall), wall, SPACING)
+        (line,) = resolution_remarks(scan_of(heights), heights, SPACING)
+        assert "noise of the scanner is understated" in line
+        low, high = noise_of_scan(scan_of(heights))
+        assert low <= noise <= high < 3.0 * noise
+
+
+def test_the_end_of_a_spectrum_is_that_of_the_circle():
+    wall, _ = jc.wall_pair(8.0, (160, 160), SPACING, 7, roll_off=None, unusual_values=True)
+    end = spectrum_end(scan_of(ended(wall, 0.8)[:80, :80] + 2e-6 * np.random.default_rng(7)
+                               .standard_normal((80, 80))))  # fmt: skip
+    assert end.wave == pytest.approx(2.0 * SPACING / 0.8, rel=0.07)
+    assert end.noise == pytest.approx(2e-6, rel=0.15)
+    assert not spectrum_end(scan_of(wall)).clear
+    assert spectrum_end(scan_of(wall[:20])) is None
+    assert spectrum_end(scan_of(np.zeros((40, 40)))) is None
+    assert spectrum_end(Scan(wall, (SPACING, 2.0 * SPACING), None)) is None
 
 
 def test_errors_of_a_pair_are_those_of_its_fit():

@@ -12,6 +12,7 @@ docs/two_scans.md is a tutorial.
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     joint = joint._replace(history=command_results.write_animation(joint.history, arguments, title))
     about = command_results.attributes(stated)
     cycle = arguments.export_cycle
-    exported = command_results.exported(joint.history, title, curves, joint.laws, cycle)
+    in_list = joint.budget is not None
+    exported = command_results.exported(joint.history, title, curves, joint.laws, cycle, in_list)
     files = _files(joint, scans, about, title, answer, exported, cycle)
     wrote = command_results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
@@ -81,22 +83,34 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
-    """Return the stated ranges [SI] by name; raise `InputError` if one cannot be read."""
+    """Return the stated ranges [SI] by name; raise one `InputError` of all that are wrong."""
     ranges: dict[str, tuple[float, float]] = {}
+    problems = []
     for key, *ends in stated:
         try:
-            values = [float(end) for end in ends]
-        except ValueError:
-            raise InputError(f"--range {key} {' '.join(ends)}: must end in two numbers") from None
-        if key not in VARIED.values():
-            known = ", ".join(VARIED.values())
-            meant = did_you_mean(key, VARIED.values())
-            raise InputError(f"--range {key}: must be one of {known}{meant}")
-        ((name, (low, high)),) = to_si({key: values}).items()
+            name, low, high = _range(key, ends)
+        except InputError as error:
+            problems.append(str(error))
+            continue
         if name in ranges:
-            raise InputError(f"--range {key}: must be given once")
+            problems.append(f"--range {key}: must be given once")
         ranges[name] = low, high
+    options.refuse(problems)
     return ranges
+
+
+def _range(key: str, ends: Sequence[str]) -> tuple[str, float, float]:
+    """Return name and ends [SI] of a stated range; raise `InputError` if it cannot be read."""
+    try:
+        values = [float(end) for end in ends]
+    except ValueError:
+        raise InputError(f"--range {key} {' '.join(ends)}: must end in two numbers") from None
+    if key not in VARIED.values():
+        known = ", ".join(VARIED.values())
+        meant = did_you_mean(key, VARIED.values())
+        raise InputError(f"--range {key}: must be one of {known}{meant}")
+    ((name, (low, high)),) = to_si({key: values}).items()
+    return name, low, high
 
 
 def _files(
@@ -173,6 +187,7 @@ def _record(
         "per_cycle": {name: command_results.plain(column) for name, column in cycles.items()},
         "barton_bandis": laws.record() | {"results": values},
         "range": budget.record() if budget else [],
+        "exports": exported.remarks,
         "exports_of": "" if command_results.failed(history) else loading_text(history, cycle),
         **answer,
     }

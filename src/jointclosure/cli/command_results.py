@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.ensembles.quantities import CURVES, QUANTITIES, shown_as
-from jointclosure.exports.joint_files import joint_files
+from jointclosure.exports.joint_files import NET, joint_files
 from jointclosure.exports.loading import Exported
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of, with_snapshots
@@ -22,22 +22,27 @@ from jointclosure.joint.result_tables import (
     has_bands,
     wider_columns_of,
 )
-from jointclosure.joint.status import LOADING, ONLY_BOUNDS, STATUSES, failed
+from jointclosure.joint.status import LOADING, ONLY_BOUNDS, failed, flags_of
 from jointclosure.statistics.number_texts import number_text, significant, with_equal_decimals
 from jointclosure.storage.folders import replace_files, write
 from jointclosure.storage.provenance import origin, to_plain
 from jointclosure.uncertainty.budget import MEASURED, NOT_MODELLED, ROUNDING, UNDETERMINED, Budget
 from jointclosure.uncertainty.ranged_results import (
     APERTURE,
+    CLOSURE_NET,
+    CONTACT,
     FITTED,
     KNI,
     RANGED_RESULTS,
+    STIFFNESS,
     VM,
     results_of,
     table_of,
 )
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 
+ENDED_WELL = "the simulation ended as it should, but"
+"""Words before those of the flags of a status that is not a failure."""
 _BOUNDS = (
     "the hydraulic aperture is left empty there, and its bounds are smallest_hydraulic and "
     "largest_hydraulic; they are to be used, or a lower maximum stress"
@@ -79,6 +84,8 @@ _FLOW = (
     *("transmissivity_m2_per_s", "largest_transmissivity_m2_per_s"),
 )
 """Curves of flow whose value at the maximum is one of the first results."""
+_WIDER_SHOWN = (CLOSURE_NET, STIFFNESS, APERTURE, CONTACT)
+"""Results whose range with other choices of the model is on the screen; all are in joint.json."""
 _NAMED = (
     *("closure_net_since_seating_mm", "normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"),
     *_FLOW,
@@ -97,9 +104,10 @@ def summary(
 
     ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
     """
-    comparison = [laws.sentence(), *_hyperbola_remarks(closed)]
+    of_laws = laws.sentence()
     if budget and laws.by_cycle:
-        comparison.append(_NO_RANGE_OF_LAWS)
+        of_laws += f"; {_NO_RANGE_OF_LAWS}"
+    comparison = [of_laws, *_hyperbola_remarks(closed)]
     if budget:
         comparison.insert(0, MEASURED)
     apertures = _overlap_remarks(closed)
@@ -128,16 +136,21 @@ def summary(
     choices = list(budget.choices) if budget is not None else []
     wider = pd.DataFrame()
     if budget is not None and choices:
-        wider = budget.wider_table().rename(index=_of_hyperbola(closed))
-        lines += ["", _as_heading(budget.wider_title()), wider.to_string()]
+        wider = budget.wider_table()
+        shown = wider.loc[[RANGED_RESULTS[name] for name in _WIDER_SHOWN]]
+        wider = wider.rename(index=_of_hyperbola(closed))
+        lines += ["", _as_heading(budget.wider_title()), shown.to_string()]
     named = named_table(curves, at)
     if len(named):
         lines += ["", "On loading, at the stresses that are named", named.to_string(index=False)]
     wider_named = named_table(curves, at, with_choices=True)
     if len(wider_named) and budget is not None:
         lines += ["", f"The same, {budget.wider_title()}", wider_named.to_string(index=False)]
-    for heading, about in remarks.items():
-        lines += _section(heading, about)
+    if budget is None:
+        for heading, about in remarks.items():
+            lines += _section(heading, about)
+    else:
+        lines += _section("Remarks", [*budget.main_sentences(), *comparison, *apertures])
     answer = {
         "table": table.to_dict(),
         "with_other_choices": wider.to_dict(),
@@ -370,22 +383,21 @@ def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
 
 
 def status_text(closed: xr.Dataset) -> str:
-    """Return success or failure, with the remarks of the status in words."""
-    about = closed.status.attrs
-    status = int(closed.status)
-    named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
-    remarks = ", ".join(name for mask, name in named if status & int(mask))
+    """Return success or failure, with the names of the flags of the status, for files."""
+    remarks = ", ".join(flag.name for flag in flags_of(int(closed.status)))
     word = "failed" if failed(closed) else "success"
     return f"{word}: {remarks}" if remarks else word
 
 
 def status_lines(closed: xr.Dataset) -> list[str]:
-    """Return the status, and below it the meaning and the remedy of each of its flags."""
-    flags = [flag for bit, flag in STATUSES.items() if int(closed.status) & bit]
+    """Return the status in words, and below it the meaning and the remedy of each of its flags."""
+    flags = flags_of(int(closed.status))
+    outcome = "failed" if failed(closed) else ENDED_WELL
     return [
-        status_text(closed),
-        *(f"- {flag.name}: {flag.meaning}; {flag.remedy}".replace("`", "") for flag in flags),
-    ]
+        f"{outcome}: {', '.join(flag.words for flag in flags)}" if flags else "success",
+        *(f"- {flag.meaning}; {flag.remedy} (status {flag.name})".replace("`", "")
+          for flag in flags),
+    ]  # fmt: skip
 
 
 def attributes(settings: Mapping[str, Any]) -> dict[str, str]:
@@ -428,11 +440,22 @@ def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: st
 
 
 def exported(
-    joint: xr.Dataset, title: str, curves: pd.DataFrame, laws: JointLaws, cycle: int
+    joint: xr.Dataset,
+    title: str,
+    curves: pd.DataFrame,
+    laws: JointLaws,
+    cycle: int,
+    in_list: bool = False,
 ) -> Exported:
-    """Return the files of `joint_files` and a figure of them, and print the remarks on them."""
+    """Return the files of `joint_files` and a figure of them, and print the remarks on them.
+
+    They continue a list of remarks (``in_list``), or have a heading.
+    """
     known = joint_files(joint, curves, laws, cycle)
-    for line in _section("Files", known.remarks):
+    lines = _section("Files", known.remarks)
+    if in_list:
+        lines = [f"- {line}" for line in known.remarks if line != NET]
+    for line in lines:
         print(line)
     if not known.files:
         return known

@@ -265,13 +265,20 @@ def check_export_cycle(cycle: int, load: Load) -> None:
         raise InputError(f"--export-cycle {cycle}: must be a cycle of the load, 1 to {cycles}")
 
 
-def check_usual_options(arguments: argparse.Namespace) -> None:
-    """Raise `InputError`, in the unit of the option, if the value of an option is unusual for rock.
+def refuse(problems: Sequence[str]) -> None:
+    """Raise one `InputError` of all problems, if there are any."""
+    if problems:
+        raise InputError("; ".join(problems))
+
+
+def unusual_options(arguments: argparse.Namespace) -> list[str]:
+    """Name the options whose values are unusual for rock, in their units.
 
     Commands without --unusual-values have their own checks.
     """
     if getattr(arguments, "unusual_values", True):
-        return
+        return []
+    problems = []
     for name, stated in given(arguments, USUAL).items():
         unit = UNITS.get(name, "1")
         for value in np.atleast_1d([] if stated is None else stated).tolist():
@@ -282,11 +289,12 @@ def check_usual_options(arguments: argparse.Namespace) -> None:
             except InputError:
                 low, high = (in_unit(end, unit) for end in USUAL[name][:2])
                 number = in_unit(value, unit)
-                raise InputError(
+                problems.append(
                     f"{names_of(name)[0]} {number:g}: not usual of rock ({low:g} to {high:g} "
                     f"{unit}); {unit_meant(number, low, high, unit)} --unusual-values takes it as "
                     "it is"
-                ) from None
+                )
+    return problems
 
 
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
@@ -299,11 +307,11 @@ def keywords(
 ) -> tuple[KnownRock, dict[str, Any]]:
     """Return the rock, and the keywords of a function: those given, and those of the named rock.
 
-    Raise `InputError` if a property of the rock, or one of the ``needed`` keywords, is neither
-    given nor known from a named rock. Without a stated rule of breakage the ``usual`` numerics
-    hold.
+    Raise one `InputError` that lists all options whose values are unusual, and all properties of
+    the rock and ``needed`` keywords that are neither given nor known from a named rock. Without a
+    stated rule of breakage the ``usual`` numerics hold.
     """
-    check_usual_options(arguments)
+    problems = unusual_options(arguments)
     known = ROCKS.get(arguments.rock)
     stated = given(arguments, OF_ROCK)
     required = () if known else [name for name in OF_ROCK if name not in Rock._field_defaults]
@@ -314,7 +322,8 @@ def keywords(
     ]
     if missing:
         where = f"--rock {arguments.rock}" if known else "without --rock (such as --rock granite)"
-        raise InputError(f"{where}: {', '.join(missing)} must be given")
+        problems.append(f"{where}: {', '.join(missing)} must be given")
+    refuse(problems)
     intact = known.intact._replace(**stated) if known else Rock(**stated)
     rock = (known or KnownRock("Rock", intact))._replace(intact=intact)
     rock = rock._replace(**given(arguments, needed))

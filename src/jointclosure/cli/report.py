@@ -16,12 +16,12 @@ from urllib.parse import quote
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.command_results import with_bands
+from jointclosure.cli.command_results import ENDED_WELL, with_bands
 from jointclosure.ensembles.quantities import CURVES, HEADINGS
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.joint.laws import LAWS, fitted_laws
-from jointclosure.joint.status import LOADING
+from jointclosure.joint.status import LOADING, STATUSES
 from jointclosure.statistics.number_texts import ABSENT, grid_text, number_text, percent_number
 from jointclosure.storage.files import read_csv, read_text, write_text
 from jointclosure.storage.folders import add_file
@@ -190,9 +190,11 @@ def _notes(record: dict) -> list[str]:
 
     A joint is called a success only if there are no cautions.
     """
-    word, _, remarks = record["status"].partition(": ")
-    ended = record["status"] if word == "failed" else f"status of the simulation: {remarks}"
-    if word != "failed" and not remarks:
+    word, _, names = record["status"].partition(": ")
+    flags = [flag for flag in STATUSES.values() if flag.name in names.split(", ")]
+    remarks = "; ".join(f"{flag.words}; {flag.meaning}" for flag in flags) or names
+    ended = f"{word if word == 'failed' else ENDED_WELL}: {remarks}"
+    if word != "failed" and not names:
         ended = "" if record["warnings"] else record["status"]
     about = record.get("description") or record["joint"].strip("<>").removeprefix("ClosedJoint: ")
     notes = [about, ended, *record["warnings"], _MODEL]

@@ -8,6 +8,7 @@ import xarray as xr
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.exports.loading import (
+    CHOICES,
     ENDS,
     Exported,
     loading_by_ending,
@@ -113,6 +114,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
     lines = [f"  <!-- of the loading of {loading_text(joint, cycle)} -->"]
     about = range_texts(curves, "_low", "_high", "_with_choices")
     lines += [f"  <!-- {line} -->" for line in about]
+    misses: dict[str, tuple[float, float]] = {}  # [mm], and over the aperture
     for ending, rows in parts.items():
         known = rows[rows[column] > 0.0]
         name = f"joint_aperture{ending}"
@@ -131,16 +133,24 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
             continue
         reference = _COMPLIANCE_FACTOR * start / slope
         miss = np.abs(1.0 / (start + slope * stress) - aperture)
-        off = f"off by up to {1e3 * miss.max():.2g} um, {percent((miss / aperture).max())}"
-        if not ending:
-            remarks.append(f"geos_barton_bandis.xml: its aperture is {off}")
+        misses[ending] = float(miss.max()), float((miss / aperture).max())
+        off = _off(*misses[ending])
         lines += [
             f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: {off} -->",
             f'  <BartonBandis name="{name}" referenceAperture="{1e-3 / start:.6e}" '
             f'referenceNormalStress="{1e6 * reference:.6e}"/>',
         ]
+    remark = f"geos_barton_bandis.xml, of cycle {cycle}: its {title} is {_off(*misses[''])}"
+    if of_choices := [miss for ending, miss in misses.items() if ending.endswith(CHOICES)]:
+        remark += f"; with other choices of the model it is {_off(*map(max, *of_choices, (0, 0)))}"
+    remarks.insert(0, remark)
     body = ["<Constitutive>", *lines, "</Constitutive>"]
     return Exported({"geos_barton_bandis.xml": "\n".join(body) + "\n"}, remarks)
+
+
+def _off(miss: float, share: float) -> str:
+    """State how far an aperture is off at most, [mm] and over the aperture."""
+    return f"off by up to {1e3 * miss:.2g} um, {percent(share)}"
 
 
 def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.exports.loading import ENDS, End, known_loadings, loading_by_ending
+from jointclosure.exports.loading import CHOICES, ENDS, End, known_loadings, loading_by_ending
 from jointclosure.inputs import InputError
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
@@ -28,8 +28,10 @@ class Hyperbola(NamedTuple):
 
 def _hyperbolas(
     joint: xr.Dataset, curves: pd.DataFrame, cycle: int
-) -> tuple[dict[str, Hyperbola], list[str]]:
+) -> tuple[dict[str, Hyperbola], list[str], dict[str, float]]:
     """Return the hyperbolas of a loading by endings of constants, and remarks on ends without one.
+
+    The last value is how far closures of each hyperbola are off at most, over the largest closure.
 
     They are net, because programs deform the rock themselves, and count from the seating stress,
     at which all have the aperture of the joint. That of the joint is the one of `fitted_laws`;
@@ -48,6 +50,7 @@ def _hyperbolas(
     aperture = 1e3 * history.curve("mean_aperture").seat(cycle, LOADING)
     stress, closure = law_curves(joint)[cycle, LOADING]
     hyperbolas = {}
+    misses: dict[str, float] = {}
     remarks: list[str] = []
 
     def leave_out(end: End, reason: str) -> None:
@@ -84,8 +87,10 @@ def _hyperbolas(
                 f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive",
             )
             continue
+        miss = law.closure(stress, seating, stiffness, largest) - (closure + more)
+        misses[end.ending] = float(np.abs(miss).max() / (closure + more).max())
         hyperbolas[end.ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture)
-    return hyperbolas, remarks
+    return hyperbolas, remarks, misses
 
 
 class FittedLoading(NamedTuple):
@@ -110,13 +115,17 @@ class FittedLoading(NamedTuple):
 def fitted_loading(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> FittedLoading:
     """Fit hyperbolas to a loading, and to the ends of its band of closure (`_hyperbolas`)."""
     try:
-        hyperbolas, remarks = _hyperbolas(joint, curves, cycle)
+        hyperbolas, remarks, misses = _hyperbolas(joint, curves, cycle)
     except InputError as error:
         return FittedLoading({}, [], str(error))
     loadings = known_loadings(joint, curves)
     seating = history_of(joint).seating_stress
     misfit = _tangent_text(hyperbolas[""], loadings[loadings.cycle == cycle], seating)
-    remarks.append(f"{_PROGRAMS}: the stiffness of the fitted hyperbola {misfit}")
+    remark = f"{_PROGRAMS}, of cycle {cycle}: the stiffness of the fitted hyperbola {misfit}"
+    remark += f"; its closures are off by up to {percent(misses[''])} of the largest"
+    if of_choices := [miss for ending, miss in misses.items() if ending.endswith(CHOICES)]:
+        remark += f", with other choices of the model by up to {percent(max(of_choices))}"
+    remarks.append(remark)
     return FittedLoading(hyperbolas, remarks, misfit=misfit)
 
 

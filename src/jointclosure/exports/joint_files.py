@@ -16,10 +16,11 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.laws import JointLaws
 from jointclosure.joint.status import failed
 
-_NET = (
+NET = (
     "stiffness, laws and inputs of other programs are net; answer.csv, curves.csv and cycles.csv "
     "have gross values too"
 )
+"""Remark on the closures and stiffnesses of all files."""
 
 
 def joint_files(
@@ -50,7 +51,7 @@ def joint_files(
     curves = with_law(joint, curves, laws)
     fitted = fitted_loading(joint, curves, cycle)
     files: dict[str, object] = dict(csv_files(joint, curves))
-    remarks = [_NET, loading_remark(joint, cycle)]
+    remarks = [NET, loading_remark(joint, cycle)]
     inputs: list[Callable[[], Exported]] = [
         lambda: itasca_tables(joint, curves),
         lambda: barton_bandis_commands(joint, curves, laws, cycle, fitted),

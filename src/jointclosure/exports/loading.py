@@ -38,6 +38,8 @@ class End(NamedTuple):
 
 
 _CHOICES = " with other choices of the model"
+CHOICES = "_with_choices"
+"""Ending of names of ends of bands with other choices of the model."""
 ENDS = {
     "": End("", "", "the joint"),
     "_low": End(", low end of its band", "_closes_less", "a joint that closes less"),

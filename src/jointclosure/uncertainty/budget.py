@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.execution.workers import in_threads
-from jointclosure.inputs.remarks import caution
+from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.joint.cycle_results import largest_jump
 from jointclosure.joint.cycling import StepReport
 from jointclosure.joint.history import history_of
@@ -69,6 +69,11 @@ LEAST_SHARE = 0.005  # of a source that is named: half a percent
 MOVES = 0.1
 """Change of a result by one source alone, over the width of the range, from which a share below
 `LEAST_SHARE` is called undetermined: few random joints do not show what the source does."""
+AT_END = 0.05
+"""Distance of the usual value from an end of its range, over the width of the range, up to which
+the range is called one-sided."""
+_OF_SCANS = ("registration", "noise", "resolution", "scale", "holes")
+"""Sources of a range that are errors of the scans and of their position."""
 _WHY_UNDETERMINED = {
     KNI: "whose loading begins so flat that the fitted kni is less than its standard error",
     VM: "whose loading hardly bends (Vm is more than "
@@ -140,6 +145,7 @@ class Budget(NamedTuple):
             )
         for quantity in (closure, STIFFNESS):
             lines += self._numerical_error(quantity)
+        lines += self.one_sided()
         lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
         for quantity, rows in self.ranges.groupby("quantity", sort=False):
             absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
@@ -149,6 +155,12 @@ class Budget(NamedTuple):
                     "is 0 in the model whatever the inputs are"
                 )
         lines += self._undetermined()
+        return lines + self._left_out()
+
+    def _left_out(self) -> list[str]:
+        """Name failed variants, and what is not varied in the range."""
+        lines = []
+        closure = next(iter(RANGED_RESULTS))
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
@@ -162,6 +174,44 @@ class Budget(NamedTuple):
                 f"{key_of(exact[-1])} LOW HIGH, or ranges= in Python, adds their ranges)"
             )
         return lines
+
+    def one_sided(self) -> list[str]:
+        """Name in one line the results that lie at an end of their range, and why they do."""
+        names: dict[str, list[str]] = {}
+        for (cycle, quantity), row in self.ranges.iterrows():
+            best, low, high = row[["best", *ENDS]].astype(float)
+            if not self.modelled(cycle, quantity) or not high > low:
+                continue
+            if min(best - low, high - best) <= AT_END * (high - low):
+                name = RANGED_RESULTS[quantity].rpartition(" (")[0]
+                names.setdefault(name, []).append(str(cycle))
+        if not names:
+            return []
+        here = [TITLES[name] for name in _OF_SCANS if (self.results.source == name).any()]
+        due = f" ({', '.join(here)})" if here else ""
+        results = "; ".join(f"{name}, cycle {', '.join(of)}" for name, of in names.items())
+        return [
+            f"range on one side of the usual value: {results}: the value is that of the walls as "
+            f"registered, with usual inputs, and what is not known{due} changes it almost only in "
+            "one direction"
+        ]
+
+    def main_sentences(self) -> list[str]:
+        """Describe the range in a few lines: its sides, sources, errors, and what it leaves out.
+
+        Warnings are those of `sentences`, which has the details.
+        """
+        closure = next(iter(RANGED_RESULTS))
+        cycles = self.ranges.index.unique("cycle")
+        shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
+        parts = [f"cycle {cycle}: {self._shares_text(cycle, closure)}" for cycle in shown]
+        choices = " with other choices of the model" if self.choices else ""
+        shares = f"shares in the range of net closure{choices}, {'; '.join(parts)}"
+        lines = [*self.one_sided(), shares]
+        errors = [line for name in (closure, STIFFNESS) for line in self._numerical_error(name)]
+        all_lines = self.sentences()
+        kept = [line for line in all_lines if line in (*errors, *cautions(all_lines))]
+        return lines + kept + self._left_out()
 
     def _undetermined(self) -> list[str]:
         """Describe how many joints have no constant of a hyperbola, and why."""

@@ -44,6 +44,7 @@ from jointclosure.uncertainty.sources import check_ranges
 from jointclosure.uncertainty.tested_domain import beyond_tested
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
 from jointclosure.walls.registered_pair import RegisteredPair
+from jointclosure.walls.registration_summary import summary_of
 from jointclosure.walls.scan_errors import ScanErrors
 from jointclosure.walls.wall_files import Wall, registered_walls
 from jointclosure.walls.wall_roughness import joint_jrc
@@ -188,9 +189,9 @@ def close(
     rock_name : str, optional
         Name of the rock in reports, by default the one that ``rock`` gives.
     progress : bool
-        Whether to print the registration, the joint and its expected cost before it is closed, and
-        to show progress bars on a terminal, in place of ``report``; an interrupt while the range
-        is computed then leaves it out. Without it, doubts and the cost are warnings.
+        Whether to print a summary of the registration, the joint and its expected cost before it is
+        closed, and to show progress bars on a terminal, in place of ``report``; an interrupt while
+        the range is computed then leaves it out. Without it, doubts and the cost are warnings.
     conditions, **changes
         As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
         for `jointclosure.walls.registration.registered`, which also receives
@@ -227,21 +228,22 @@ def close(
     )
     checked = on_grid(checked, pair.spacing)
     remark = _Remarks(printed=progress)
-    remark(pair.report, () if checked.unusual_values else pair.warnings, heading="Registration")
+    doubts = () if checked.unusual_values else pair.warnings
+    remark(summary_of(pair), doubts, heading="Registration")
     uncertain = _joint_and_variants(pair, checked, ranges, single)
     if progress:
-        print(f"\nJoint\n{_description(pair, checked, name)}: {checked.load.description()}")
+        print(f"Joint: {_description(pair, checked, name)}: {checked.load.description()}")
     untested = [] if single else beyond_tested(pair)
     noise_remarks = [*_about_noise(pair, uncertain.errors), *untested]
-    remark(noise_remarks, () if checked.unusual_values else untested)
+    remark(untested, () if checked.unusual_values else untested)
 
     has_holes = bool(pair.holes.any())
     # of the force on holes there is a snapshot at the largest stress, which is given up again
     taken = (*snapshots, float(checked.largest_stress)) if has_holes else snapshots
     simulation = Simulation(pair.upper, pair.lower, checked, taken)
     slow = [] if checked.unusual_values else simulation.near_strength()
-    for doubts in (slow, _about_cost(uncertain, workers)):
-        remark(doubts, doubts)
+    for lines in (slow, _about_cost(uncertain, workers)):
+        remark(lines, lines)
     # compile first, so that the time of the joint, from which the time of the range is estimated,
     # does not contain it
     if not single:

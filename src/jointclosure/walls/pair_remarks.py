@@ -34,7 +34,7 @@ def wall_remarks(pair: RegisteredPair, overlap: Overlap, in_frame: bool) -> list
             f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
             f"removed; the walls were left inclined to each other by {overlap.relative:.3f} "
             "degrees and are set parallel",
-            f"heights correlate by {pair.correlation:.3f}; {_describe_mating(pair.mismatch)}",
+            f"heights correlate by {pair.correlation:.3f}; {describe_mating(pair.mismatch)}",
         ]
     else:  # one wall is flat and has no waves
         remarks = [
@@ -153,7 +153,7 @@ def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
     return doubts
 
 
-def _describe_mating(mismatch: Mismatch) -> str:
+def describe_mating(mismatch: Mismatch) -> str:
     """Describe at which wavelengths walls are mated."""
     if mismatch.wavelength == 0.0:
         return "the walls are mated at all wavelengths of the grid"

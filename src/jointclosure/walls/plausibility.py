@@ -120,7 +120,8 @@ def _unit_question(low: float, high: float) -> str:
     return (
         f"are its heights in another unit than x and y, by a factor of {factors}? --units is that "
         "of heights and of x and y; convert the heights, or state their unit in the name of their "
-        "column (z_um)"
+        "column (z_um). If the spacing of a grid is stated (--scan-spacing, in mm), it may be "
+        "wrong instead"
     )
 
 

@@ -19,6 +19,7 @@ from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
 from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS
 from jointclosure.walls.outliers import neighbour_pairs
 from jointclosure.walls.planes import detrended_points
+from jointclosure.walls.spectrum_end import SpectrumEnd, spectrum_end
 from jointclosure.walls.wall_roughness import height_differences
 
 STEEPEST = 3.0
@@ -200,7 +201,8 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
     both. Each fit has an amplitude along x and along y, H from 0.3 to 1, and s^2, which may be
     negative. Its standard error is that of a jackknife over `_BLOCKS` x `_BLOCKS` parts of the
     scan. Rounding is subtracted. The result is NaN if the scan is too small, or was filtered, which
-    takes noise as well.
+    takes noise as well. If the spectrum clearly ends at a circle (`spectrum_end`), the interval
+    also contains the noise that is left beyond the circle.
     """
     if shortest_wave(scan) > 0.0:
         return math.nan, math.nan
@@ -225,6 +227,9 @@ def noise_of_grid(scan: Scan) -> tuple[float, float]:
         half = float(student) * math.sqrt((len(blocks) - 1) * without.var())
         variance = _white_noise(squares, law)
         ends += [np.clip(variance - half, 0.0, most), np.clip(variance + half, 0.0, most)]
+    end = spectrum_end(scan)
+    if end is not None and end.clear:
+        ends += [size**2 for size in end.noise_interval]
     return math.sqrt(min(ends)), math.sqrt(max(ends))
 
 
@@ -310,6 +315,9 @@ def resolution_remarks(
     remarks = []
     if (wave := shortest_wave(scan, level)) > 2.0 * spacing:
         remarks.append(lost_waves(wave, spacing))
+    elif isinstance(scan, Scan) and not wave:
+        end = spectrum_end(scan)
+        remarks += [_ended_spectrum(end)] if end is not None and end.clear else []
     steps = [np.diff(wall, axis=axis) for axis in (0, 1)]
     square = float(np.nanmean(np.concatenate([part.ravel() ** 2 for part in steps])))
     rounding = rounding_of(scan)
@@ -350,6 +358,19 @@ def lost_waves(wave: float, spacing: float) -> Caution:
         f"any rough wall. A grid of {1e3 * spacing:.4g} mm shows waves from "
         f"{2e3 * spacing:.4g} mm on: slopes, JRC and closures are too small; export the heights "
         "without a filter"
+    )
+
+
+def _ended_spectrum(end: SpectrumEnd) -> Caution:
+    """Return the caution about a scan whose spectrum ends at a circle of wave numbers."""
+    low, high = (f"{1e6 * size:.2g}" for size in end.noise_interval)
+    return caution(
+        f"the spectrum of the heights ends at a wavelength of {1e3 * end.wave:.2g} mm, equal in "
+        "all directions, as after the blur of an instrument, a filter, or a turn of the grid by "
+        f"interpolation. Beyond it there is white noise of {low} to {high} um (95 % interval). "
+        "Noise that was smoothed with the heights is not in this, so that the noise of the "
+        "scanner is understated, and ranges of the joint may be too narrow; export the heights "
+        "as they were measured"
     )
 
 

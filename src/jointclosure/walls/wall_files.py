@@ -1,6 +1,7 @@
 """Two walls from their files: reading, and registration with errors that name the files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution
+from jointclosure.inputs.units import size_of
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.registered_pair import RegisteredPair
@@ -49,11 +51,25 @@ def registered_walls(
             ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
             for wall in (upper, lower)
         )
-        with naming(" and ".join(names)):
+        with naming(" and ".join(names)), _naming_units(scans.get("units")):
             pair = registered_by(checked, above, below, spacing)
         pair.report.extend(order_cautions(upper, lower))
     check_cells(pair.upper.shape, pair.spacing, spacing is not None)
     return pair
+
+
+@contextmanager
+def _naming_units(units: Any) -> Iterator[None]:
+    """Add to an `InputError` that both walls have other units, if they do."""
+    try:
+        yield
+    except InputError as error:
+        if isinstance(units, tuple | list) and size_of(units[0]) != size_of(units[1]):
+            raise InputError(
+                f"{error}; units are stated as {units[0]} for the upper wall and {units[1]} for "
+                "the lower one (--units): are both right?"
+            ) from None
+        raise
 
 
 def order_cautions(upper: Wall, lower: Wall) -> list[str]:
