@@ -2,17 +2,18 @@
 
 Conditions are those of `benchmarks/effects_auto.py`: E 5 to 80 GPa, strength 20 to 250 MPa, JRC 2
 to 20, stress 0.001 to 0.5 of the strength, walls independent or mated beyond 1 to 10 mm, here with
-32 to 64 cells along a side. A joint is simulated by the tolerance of `jointclosure close`, and with
-its copies by twice of it, from which the error is stated
+32 to 64 cells along a side. A joint is simulated by the tolerance of `jointclosure close`, by twice
+of it, and by the paper's steps, from which the error is stated
 (`jointclosure.uncertainty.numerical_error`). The true error is the factor to the result by
 an eighth of the tolerance, or its inverse, less 1. A joint that takes more than `LONGEST` seconds
-by the tolerance of `close` is left out, because it takes up to twenty times as long by an eighth of
+by the tolerance of `close` is left out, because it takes about five times as long by an eighth of
 it.
 
 `python benchmarks/numerical_error.py` writes joints.csv and coverage.csv, and goes on with the
-joints that its folder has. ``--compare FOLDER ...`` compares constants of the limit by the joints
-of these folders, by result, for the first and for later cycles. Those of the package were chosen by
-joints 180 to 279 of seed 11, 0 to 90 of seed 31, 0 to 124 of seed 41 and 0 to 99 of seed 51.
+joints that its folder has. ``--compare FOLDER ...`` fits the weights of the limit to the joints of
+these folders, by result, for the first and for later cycles: those for which the true errors are
+most likely, if they are Student's t with `FREEDOM` degrees of freedom times the expected error. The
+weights of the package were chosen by joints 0 to 90 of seed 31 and 0 to 99 of seed 51.
 """
 
 import os
@@ -25,48 +26,45 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import scipy.optimize
 from effects_auto import SPACING, scene
 
 import jointclosure as jc
-from jointclosure.ensembles.simulation import Reading, simulate_row
+from jointclosure.ensembles.simulation import read_joint, simulated_joint
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.numerical_error import (
-    LEAST,
-    NOT_STABLE,
-    OF_JUMP,
-    OF_SCATTER,
-    log_scatter,
+    WEIGHTS,
+    differences_of_loading,
+    log_change,
     numerical_error,
 )
 from jointclosure.uncertainty.ranged_results import CLOSURE_NET, STIFFNESS
 from jointclosure.uncertainty.sources import coarser
-from jointclosure.uncertainty.variants import COPIES
 
-TRUE = 0.125
-"""Tolerance by which the true closure is simulated, over that of `close`."""
-SETTINGS = [(1.0, "as it is"), *((2.0, name) for name in ("as it is", "last digits", "mirrored"))]
-QUANTITIES = {
-    "max_closure_seated_net": ("net closure", CLOSURE_NET),
-    "stiffness_net": ("net stiffness", STIFFNESS),
+CLOSE, TWICE, PAPER, TRUE = "tolerance of close", "twice", "paper's steps", "an eighth"
+SETTINGS = {
+    CLOSE: RESOLVED,
+    TWICE: coarser(RESOLVED, 2.0),
+    PAPER: RESOLVED._replace(breakage="fixed_step"),
+    TRUE: coarser(RESOLVED, 0.125),
 }
-READ = (*QUANTITIES, "largest_jump", "status", "timing_simulation")
+QUANTITIES = {
+    CLOSURE_NET: ("net closure", "max_closure_seated_net"),
+    STIFFNESS: ("net stiffness", "stiffness_net"),
+}
+READ = ("max_closure_seated_net", "stiffness_net", "largest_jump", "status", "timing_simulation")
 LONGEST = 10.0
 """Processor time [s] by the tolerance of `close` beyond which a joint is left out."""
-CANDIDATES = [
-    (least, of_jump, of_scatter)
-    for least in (0.001, 0.002, 0.003, 0.005, 0.008, 0.012)
-    for of_jump in (0.0, 0.05, 0.1, 0.2, 0.3, 0.6, 1.2)
-    for of_scatter in (0.7, 1.0, 1.4, 2.0, 2.8)
-]
-"""Constants that are compared: least error, error over the jump, error over the scatter."""
-KEPT = 0.92
-"""Share of the joints of the comparison that keep the limit, so that at least 0.9 of others do."""
-SHOWN = 5
-"""Number of the best candidates of a result that are printed."""
+FREEDOM = 3.0
+"""Degrees of freedom of the true errors over the expected ones, for the fit of weights."""
+LEAST = 5e-4
+"""Smallest least error that is fitted [1]."""
+KEPT = (0.90, 0.92, 0.93, 0.94)
+"""Shares of the joints of the comparison that keep the limits that are printed."""
 
 
 def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
@@ -75,23 +73,27 @@ def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
     conditions = conditions._replace(choices=jc.Choices(strength_bound="base"))
     pair = jc.wall_pair(spacing=SPACING, seed=seed_of(seed, "numerical error", number), **walls)
     rows = []
-    for tolerance, name in (*SETTINGS, (TRUE, "as it is")):
-        numerics = coarser(RESOLVED, tolerance)
+    for setting, numerics in SETTINGS.items():
         try:
-            here = conditions._replace(numerics=numerics)
-            joint = simulate_row(tuple(COPIES[name](wall) for wall in pair), Reading(here, READ))
+            joint = simulated_joint(pair, conditions._replace(numerics=numerics))
         except jc.InputError as error:
             print(f"joint {number}: {error}")
             return []
-        if joint["status"] >= FAILURE:
-            print(f"joint {number}, {tolerance:g} x tolerance: status {int(joint['status'])}")
+        read = read_joint(joint, READ)
+        if read["status"] >= FAILURE:
+            print(f"joint {number}, {setting}: status {int(read['status'])}")
             return []
-        for cycle in range(len(np.atleast_1d(joint["stiffness_net"]))):
-            row = {"joint": number, "tolerance": tolerance, "copy": name, "cycle": cycle + 1}
-            row |= {quantity: float(joint[quantity][cycle]) for quantity in QUANTITIES}
-            row["jump"] = float(joint["largest_jump"])
-            rows.append(row | {"seconds": float(joint["timing_simulation"])})
-        if tolerance == 1.0 and rows[-1]["seconds"] > LONGEST:
+        if setting == CLOSE:
+            own = joint.closed
+        along = differences_of_loading(own, joint.closed)
+        for cycle in range(len(read["stiffness_net"])):
+            row = {"joint": number, "setting": setting, "cycle": cycle + 1}
+            for quantity, (_, name) in QUANTITIES.items():
+                row[name] = float(read[name][cycle])
+                row[f"{name}_along"] = along[quantity]
+            row["jump"] = float(read["largest_jump"])
+            rows.append(row | {"seconds": float(read["timing_simulation"])})
+        if setting == CLOSE and rows[-1]["seconds"] > LONGEST:
             print(f"joint {number}: left out, as it takes {rows[-1]['seconds']:.0f} s")
             return []
     return rows
@@ -100,54 +102,63 @@ def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
 def compared(joints: pd.DataFrame) -> pd.DataFrame:
     """Return the stated and the true relative error of each joint, cycle and quantity.
 
-    ``jump`` and ``scatter`` [1] are those from which an error is stated, and ``apart`` is the
-    logarithm of the true result over that of the joint.
+    ``jump``, ``change`` and ``curve`` [1] are those from which an error is stated, ``apart`` is the
+    logarithm of the true result over that of the joint, and ``cost`` the time of the simulations
+    from which the error is stated, over that of the joint.
     """
     rows = []
     for (number, cycle), joint in joints.groupby(["joint", "cycle"]):
-        by_setting = joint.set_index(["tolerance", "copy"])
-        jump = float(by_setting.jump[1.0].iloc[0])
-        for name, (title, column) in QUANTITIES.items():
+        by_setting = joint.set_index("setting")
+        jump = float(by_setting.jump[CLOSE])
+        seconds = by_setting.seconds
+        for quantity, (title, name) in QUANTITIES.items():
             values = by_setting[name]
-            value = values[1.0].iloc[0]
-            true = values[TRUE].iloc[0]
-            scatter = log_scatter([value, *values[2.0]])
-            apart = np.log(true / value)
-            seconds = by_setting.seconds
+            change = log_change(values[CLOSE], values[TWICE])
+            curve = float(by_setting[f"{name}_along"][PAPER])
+            apart = log_change(values[CLOSE], values[TRUE])
             rows.append({
-                "joint": number, "quantity": title, "cycle": cycle,
-                "stated": numerical_error(scatter, jump, column, int(cycle)),
+                "joint": number, "result": quantity, "quantity": title, "cycle": cycle,
+                "stated": numerical_error(change, curve, jump, quantity, int(cycle)),
                 "true": np.expm1(abs(apart)),
-                "jump": jump, "scatter": scatter, "apart": apart,
-                "not_stable": scatter > NOT_STABLE,
-                "cost": seconds[2.0].sum() / seconds[1.0].sum(),
+                "jump": jump, "change": change, "curve": curve, "apart": apart,
+                "cost": (seconds[TWICE] + seconds[PAPER]) / seconds[CLOSE],
             })  # fmt: skip
     return pd.DataFrame(rows)
 
 
-def compared_constants(errors: pd.DataFrame) -> pd.DataFrame:
-    """Compare constants of the limit by the joints of which a share of `KEPT` keeps it.
+def fitted_weights(errors: pd.DataFrame) -> pd.DataFrame:
+    """Fit the weights of each result, on the first and on later cycles, to true errors.
 
-    Return the `SHOWN` best rows of `CANDIDATES` for the first and later cycles of each result, and
-    that of the package: the ``limit`` over the expected error, and the median ``ratio`` of the
-    limit and the true error.
+    Each row has the fitted weights or those of the package, and for each of `KEPT` the ``limit``
+    over the expected error that this share of the joints keeps, with the median ``ratio`` of limit
+    and true error.
     """
     rows = []
-    for (quantity, first), part in errors.groupby(["quantity", errors.cycle == 1]):
+    for (quantity, first), part in errors.groupby(["result", errors.cycle == 1]):
         apart = part.apart.abs().to_numpy()
-        own = LEAST, OF_JUMP[first], OF_SCATTER
-        here = []
-        for constants in dict.fromkeys([own, *CANDIDATES]):
-            terms = np.stack([np.ones(len(part)), part.jump, part.scatter])
-            expected = np.linalg.norm(np.array(constants)[:, None] * terms, axis=0)
-            limit = np.quantile(apart / expected, KEPT)
-            ratio = float(np.median(np.expm1(limit * expected) / np.expm1(apart)))
-            row = dict(zip(("least", "of_jump", "of_scatter"), constants, strict=True))
-            row |= {"limit": limit, "ratio": ratio, "of_package": constants == own}
-            here.append({"quantity": quantity, "first": first} | row)
-        table = pd.DataFrame(here).sort_values("ratio")
-        rows.append(table[table.of_package | (table.ratio.rank() <= SHOWN)])
-    return pd.concat(rows)
+        terms = np.stack([np.ones(len(part)), part.jump, part.change.abs(), part.curve])
+
+        def unlikely(
+            logarithms: np.ndarray, terms: np.ndarray = terms, apart: np.ndarray = apart
+        ) -> float:
+            """Return the negative logarithm of the likelihood of the true errors, by joint."""
+            expected = np.linalg.norm(np.exp(logarithms)[:, None] * terms, axis=0)
+            tails = np.log1p((apart / expected) ** 2 / FREEDOM)
+            return float(np.mean(np.log(expected) + 0.5 * (FREEDOM + 1.0) * tails))
+
+        bounds = [(np.log(LEAST), 0.0), *[(np.log(0.01), np.log(5.0))] * 3]
+        start = np.log([0.005, 0.3, 0.5, 0.3])
+        found = np.exp(scipy.optimize.minimize(unlikely, start, bounds=bounds).x)
+        for of, weights in (("fit", found), ("package", np.array(WEIGHTS[quantity, first][:4]))):
+            expected = np.linalg.norm(weights[:, None] * terms, axis=0)
+            row = {"quantity": quantity, "first": first, "weights": of, "joints": len(part)}
+            row |= dict(zip(("least", "jump", "change", "curve"), weights, strict=True))
+            for share in KEPT:
+                limit = float(np.quantile(apart / expected, share))
+                ratio = np.median(np.expm1(limit * expected) / np.expm1(apart))
+                row |= {f"limit {share:g}": limit, f"ratio {share:g}": float(ratio)}
+            rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
@@ -168,7 +179,6 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
         stated_over_true=("over", "median"),
         without_jump=("without_jump", "sum"),
         inside_without_jump=("inside_without_jump", "sum"),
-        not_stable=("not_stable", "sum"),
         cost=("cost", "median"),
     )
     all_inside = int(errors.groupby("joint").inside.all().sum())
@@ -180,13 +190,15 @@ def main() -> None:
     parser.add_argument("--joints", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="number of the first joint")
     parser.add_argument("--seed", type=int, default=61)
-    parser.add_argument("--compare", type=Path, nargs="+", help="compare constants by FOLDERs")
+    parser.add_argument(
+        "--compare", type=Path, nargs="+", help="fit weights to the joints of FOLDERs"
+    )
     parser.add_argument("--cells", type=int, nargs=2, default=(32, 64), metavar=("LEAST", "MOST"))
     parser.add_argument("--output", type=Path, default=Path("results/benchmarks/numerical_error"))
     asked = parser.parse_args()
     if asked.compare:
         errors = [compared(read_csv(folder / "joints.csv")) for folder in asked.compare]
-        table = compared_constants(pd.concat(errors))
+        table = fitted_weights(pd.concat(errors))
         print(table.to_string(index=False, float_format="{:.3g}".format))
         return
     asked.output.mkdir(parents=True, exist_ok=True)

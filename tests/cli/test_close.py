@@ -25,7 +25,7 @@ from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty import scanned_joint
 from jointclosure.uncertainty.budget import AT_END
 from jointclosure.uncertainty.ranged_results import RANGED_RESULTS
-from jointclosure.uncertainty.sources import ALL
+from jointclosure.uncertainty.sources import ALL, OTHER_RULE
 from jointclosure.walls.registration import registered
 from tests.cli.conftest import leave_undrawn
 from tests.joints import TWO_WALLS
@@ -249,7 +249,7 @@ def test_each_source_of_the_range_has_its_share(ranged):
     assert sum(shares.values()) >= 1.0 - 1e-9  # interactions count for each source
     assert {"spacing", "registration", "order", "compressive_strength"} <= set(shares)
     sources = set(pd.read_csv(folder / "range.csv").source.dropna())
-    assert sources == {*shares, ALL}
+    assert sources == {*shares, ALL, OTHER_RULE}
 
 
 def test_the_range_is_drawn(ranged):

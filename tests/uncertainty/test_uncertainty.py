@@ -10,6 +10,7 @@ import scipy
 import jointclosure as jc
 from jointclosure.cli.command_results import summary
 from jointclosure.ensembles.quantities import CURVES
+from jointclosure.joint.cycle_results import largest_jump, net_responses
 from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.laws import laws_of_joint
 from jointclosure.joint.load import stated_load
@@ -21,6 +22,9 @@ from jointclosure.uncertainty import budget as budget_module
 from jointclosure.uncertainty import ranges as ranges_module
 from jointclosure.uncertainty.budget import Budget, uncertainty_budget
 from jointclosure.uncertainty.numerical_error import (
+    differences_of_loading,
+    limits_of_error,
+    log_change,
     log_scatter,
     numerical_error,
     numerical_errors_of,
@@ -46,10 +50,12 @@ from jointclosure.uncertainty.ranges import (
 from jointclosure.uncertainty.sources import (
     ALL,
     ORDER,
+    OTHER_RULE,
     PLAUSIBLE,
     SHARED,
     VARIED,
     Source,
+    coarser,
     sources_of,
 )
 from jointclosure.uncertainty.uncertain_joint import (
@@ -883,8 +889,12 @@ CHANGED = [1.1, 1.12, 1.08]
 """A result by other steps, and those of copies by the same steps."""
 
 
-def closure_error(table):
-    found = numerical_errors_of(table, 0.02)
+ALONG = {CLOSURE_NET: 0.05, STIFFNESS: 0.04}
+"""Differences of the first loading by another rule of steps."""
+
+
+def closure_error(table, along=ALONG):
+    found = numerical_errors_of(table, 0.02, along)
     return found[found.quantity == CLOSURE_NET].iloc[0]
 
 
@@ -893,10 +903,9 @@ def errors_of_copies():
     return closure_error(rows_of_steps(1.0, 1.1, [1.12, 1.08]))
 
 
-def test_the_error_compares_the_joint_with_other_steps_and_all_copies(errors_of_copies):
-    assert errors_of_copies.error == numerical_error(
-        log_scatter([1.0, *CHANGED]), 0.02, CLOSURE_NET, 1
-    )
+def test_the_error_compares_the_joint_with_other_steps(errors_of_copies):
+    change = log_change(1.0, 1.1)
+    assert errors_of_copies.error == numerical_error(change, 0.05, 0.02, CLOSURE_NET, 1)
 
 
 def test_the_scatter_is_that_of_the_joint_and_all_copies(errors_of_copies):
@@ -904,24 +913,67 @@ def test_the_scatter_is_that_of_the_joint_and_all_copies(errors_of_copies):
     assert errors_of_copies.scatter == log_scatter([1.0, *CHANGED])
 
 
-def test_no_error_is_stated_where_all_other_steps_failed():
-    assert np.isnan(closure_error(rows_of_steps(1.0, np.nan, [1.02, 0.98])).error)
+def test_no_error_is_stated_where_other_steps_failed():
+    table = rows_of_steps(1.0, np.nan, [1.02, 0.98])
+    assert np.isnan(closure_error(table).error)
+    assert np.isnan(closure_error(rows_of_steps(1.0, 1.1, [1.0]), {}).error)
 
 
 def test_the_error_is_that_of_its_cycle():
     table = rows_of_steps(1.0, 1.1, [1.12, 1.08]).assign(cycle=2)
-    expected = numerical_error(log_scatter([1.0, *CHANGED]), 0.02, CLOSURE_NET, 2)
+    expected = numerical_error(log_change(1.0, 1.1), 0.05, 0.02, CLOSURE_NET, 2)
     assert closure_error(table).error == expected
 
 
 def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
     for spread, unstable in ((0.1, False), (0.3, True)):
         table = rows_of_steps(1.0, 1.0, [1.0 + spread, 1.0 - spread])
-        numerical = numerical_errors_of(table, 0.0)
+        numerical = numerical_errors_of(table, 0.0, ALONG)
         budget = Budget(table, pd.DataFrame(), (), numerical=numerical)
         lines = budget._numerical_error(CLOSURE_NET)
         assert "limit of the numerical error" in lines[0]
         assert any("is not stable" in line for line in lines) == unstable
+
+
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+def test_the_error_of_a_joint_compares_its_loading_by_both_rules_of_steps(breakage):
+    """A resolved joint with the paper's steps, and one by these with resolved breakage."""
+    walls = jc.wall_pair(8, (16, 16), 0.5e-3, 3)
+    conditions = jc.Conditions(0.5e-3, "granite", 5e6, cycles=1).checked()
+    conditions = conditions._replace(numerics=jc.Numerics(breakage=breakage))
+    found = uncertainty_budget(uncertain_joint(*walls, conditions))
+    joint = jc.simulate(*walls, conditions=conditions)
+    change = jc.simulate(*walls, conditions=conditions._replace(numerics=SECOND[breakage]))
+    rule = jc.simulate(*walls, conditions=conditions._replace(numerics=OTHER[breakage]))
+    closures = [float(net_responses(of)["max_closure_seated_net"][0]) for of in (joint, change)]
+    along = differences_of_loading(joint, rule)[CLOSURE_NET]
+    expected = numerical_error(log_change(*closures), along, largest_jump(joint), CLOSURE_NET, 1)
+    assert along > 0.0
+    assert limits_of_error(found.numerical)[1, CLOSURE_NET] == pytest.approx(expected)
+
+
+SECOND = {
+    "fixed_step": jc.Numerics(breakage="resolved"),
+    "resolved": coarser(jc.Numerics(breakage="resolved"), 2.0),
+}
+"""Steps with which those of a joint are compared by its result."""
+OTHER = {"fixed_step": jc.Numerics(breakage="resolved"), "resolved": jc.Numerics()}
+"""Steps with which those of a joint are compared by its first loading."""
+
+
+def test_the_joint_by_the_papers_steps_is_in_no_range(monkeypatch):
+    """Its changes are those of another rule of steps, and not of an unknown input."""
+    walls = jc.wall_pair(8, (16, 16), 0.5e-3, 3)
+    conditions = jc.Conditions(0.5e-3, "granite", 5e6, cycles=1).checked()
+    conditions = conditions._replace(numerics=jc.Numerics(breakage="resolved"))
+    monkeypatch.setattr(budget_module, "limits_of_error", lambda numerical: {})
+    joint = uncertain_joint(*walls, conditions)
+    found = uncertainty_budget(joint)
+    others = tuple(of for of in joint.variants if of.source != OTHER_RULE)
+    assert len(others) == len(joint.variants) - 1
+    without = uncertainty_budget(joint._replace(variants=others))
+    pd.testing.assert_frame_equal(found.ranges, without.ranges)
+    assert OTHER_RULE in set(found.results.source)
 
 
 def test_a_source_that_moves_the_result_without_a_share_is_undetermined(budget):

@@ -21,6 +21,7 @@ from jointclosure.parameters import OF_ROCK, acting, key_of
 from jointclosure.statistics.number_texts import percent, significant, with_equal_decimals
 from jointclosure.uncertainty.numerical_error import (
     NOT_STABLE,
+    differences_of_loading,
     limits_of_error,
     numerical_errors_of,
 )
@@ -37,7 +38,7 @@ from jointclosure.uncertainty.ranged_results import (
     table_of,
 )
 from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER, bands_of, ranges_of
-from jointclosure.uncertainty.sources import ALL, MULTIPLE, SHARED, TITLES, Source
+from jointclosure.uncertainty.sources import ALL, MULTIPLE, OTHER_RULE, SHARED, TITLES, Source
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
 from jointclosure.uncertainty.variants import (
     RANDOM_JOINTS,
@@ -217,7 +218,7 @@ class Budget(NamedTuple):
         """Describe how many joints have no constant of a hyperbola, and why."""
         lines = []
         for (cycle, rows), name in product(self.results.groupby("cycle"), FITTED):
-            fitted = rows[rows[CLOSURE_NET].notna()]
+            fitted = rows[rows[CLOSURE_NET].notna() & (rows.source != OTHER_RULE)]
             if fitted[list(FITTED)].isna().all(axis=None):  # the loading has no hyperbola
                 continue
             if absent := int(fitted[name].isna().sum()):
@@ -372,6 +373,18 @@ class Budget(NamedTuple):
         )
 
 
+class _Answer(NamedTuple):
+    """What is read of a variant: rows of `Budget.results`, `stress_table`, and differences.
+
+    ``differences`` are those of its first loading (`differences_of_loading`), if it has another
+    rule of steps than the joint.
+    """
+
+    rows: pd.DataFrame
+    curves: pd.DataFrame
+    differences: dict[str, float]
+
+
 def uncertainty_budget(
     joint: UncertainJoint,
     closed: xr.Dataset | None = None,
@@ -393,10 +406,15 @@ def uncertainty_budget(
     levels = history_of(closed).table_levels(at)
     known = stress_table(closed, levels)
 
-    def tables_of(variant: Variant, going_on: StepReport) -> tuple[pd.DataFrame, pd.DataFrame]:
-        """Return the rows of a variant, and its curves; values are unknown if it failed."""
+    # a joint by the paper's steps is itself compared with resolved breakage
+    by_paper = any(variant.source == OTHER_RULE for variant in variants)
+    other_rule = OTHER_RULE if by_paper else "breakage"
+
+    def answer_of(variant: Variant, going_on: StepReport) -> _Answer:
+        """Return what is read of a variant; values are unknown if it failed."""
         history = joint.simulated(variant, going_on) if variant.source else closed
         status = -1 if history is None else int(history.status)
+        differences: dict[str, float] = {}
         if history is None or failed(history):
             rows = pd.DataFrame({"cycle": known.cycle.unique()})
             rows = rows.assign(**dict.fromkeys(RANGED_RESULTS, np.nan))
@@ -404,25 +422,31 @@ def uncertainty_budget(
         else:
             curves = known if history is closed else stress_table(history, levels)
             rows = results_of(history)
+            if variant.source == other_rule:
+                differences = differences_of_loading(closed, history)
         about = {"source": variant.source, "value": variant.value, "status": status}
-        return rows.assign(**about), curves.assign(source=variant.source)
+        return _Answer(rows.assign(**about), curves.assign(source=variant.source), differences)
 
     answers = {}
     threads = threads_for(joint.cells, workers)
-    for number, answer in in_threads(tables_of, variants, threads):
+    for number, answer in in_threads(answer_of, variants, threads):
         answers[number], name = answer, variants[number].source
         report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
-    rows, curves = zip(*(answers[number] for number in range(len(variants))), strict=True)
-    results = pd.concat(rows, ignore_index=True)
+    in_order = [answers[number] for number in range(len(variants))]
+    results = pd.concat([answer.rows for answer in in_order], ignore_index=True)
+    curves = pd.concat([answer.curves for answer in in_order])
+    differences = next((answer.differences for answer in in_order if answer.differences), {})
     exact = "registration", *acting(joint.conditions.rock[0])
     omitted = tuple(name for name in exact if name not in sources)
     shares = random_shares(sources, RANDOM_JOINTS, SEED)
     further = random_shares(sources, FURTHER, 1)
     shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
-    numerical = numerical_errors_of(results, largest_jump(closed))
+    numerical = numerical_errors_of(results, largest_jump(closed), differences)
     limits = limits_of_error(numerical)
-    ranges = ranges_of(results, sources, shares, further, limits)
-    bands = bands_of(pd.concat(curves), sources, shares, further, limits, ranges)
+    varied = results[results.source != OTHER_RULE]
+    varied_curves = curves[curves.source != OTHER_RULE]
+    ranges = ranges_of(varied, sources, shares, further, limits)
+    bands = bands_of(varied_curves, sources, shares, further, limits, ranges)
     return Budget(results, ranges, omitted, bands, _choices(sources), numerical)
 
 

@@ -1,55 +1,75 @@
 """Numerical error of a result of one joint, as a limit that about nine joints in ten keep.
 
-Three things show how large the error may be. The joint with other steps, and its copies whose
-results would be equal but for rounding (`uncertainty.variants.COPIES`), scatter with the steps and
-with the order in which asperities break. The largest jump of the joint is the closure in which a
-group of asperities breaks at once, at constant stress (`joint.cycle_results.largest_jump`): where
-such a group breaks with one tolerance, in all copies, it may not break with a finer one. The third
-is a least error, because joints without jump and scatter have one too. The expected error is the
-root of the sum of their squares, each times a factor, and the limit is a multiple of it.
+Three things show how large the error may be. The result of the joint changes with other steps,
+such as those of twice the tolerance. The first loading as a whole differs from that by a quite
+different rule of steps, the paper's steps: a joint whose whole curve depends on the steps has a
+large error at its end too, although two results may agree there by chance. The largest jump of the
+joint is the closure in which a group of asperities breaks at once, at constant stress
+(`joint.cycle_results.largest_jump`): where such a group breaks with one tolerance, it may not break
+with a finer one. A least error is added, because joints without changes have one too. The expected
+error is the root of the sum of the squares of these four, each times a factor, and the limit is a
+multiple of it.
 
 An error is a factor: the limit x means that the result may be 1 + x times too large or too small.
 
-The constants below were chosen by 410 random joints that had the tolerance of `close`. About 92 %
-of them keep the limit, so that at least 90 % of other joints should. Of 210 sets of constants none
-has limits that are smaller by more than a tenth for as many joints.
-`benchmarks/numerical_error.py` compares constants, and measures how the limit holds on further
-joints; docs/accuracy.md has its table.
+The weights below were fitted to 182 random joints that had the tolerance of `close`, so that about
+92 % of them keep the limit, and at least 90 % of other joints should.
+`benchmarks/numerical_error.py` fits weights, and measures how the limit holds on further joints;
+docs/accuracy.md has its table.
 """
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
+from jointclosure.joint.cycle_results import CHORD_START, net_responses
+from jointclosure.joint.history import history_of
+from jointclosure.joint.status import LOADING
 from jointclosure.uncertainty.ranged_results import CLOSURE_NET, STIFFNESS
 from jointclosure.uncertainty.sources import ORDER
 
-LEAST = 0.003
-"""Expected error of a joint without jump and scatter [1]."""
-OF_JUMP: Mapping[bool, float] = {True: 0.6, False: 0.2}
-"""Expected error over the largest jump, by whether the cycle is the first one."""
-OF_SCATTER = 1.4
-"""Expected error over the standard deviation of the logarithms of the results."""
-LIMIT: Mapping[tuple[str, bool], float] = {
-    (CLOSURE_NET, True): 3.2,
-    (CLOSURE_NET, False): 2.8,
-    (STIFFNESS, True): 3.7,
-    (STIFFNESS, False): 3.4,
+
+class Weights(NamedTuple):
+    """How the expected error of a result follows from what is known of it."""
+
+    least: float
+    """Expected error without any change and jump [1]."""
+    of_jump: float
+    """Expected error over the largest jump."""
+    of_change: float
+    """Expected error over the change of the result by other steps."""
+    of_curve: float
+    """Expected error over the difference of the first loading by another rule of steps."""
+    limit: float
+    """Limit over the expected error."""
+
+
+WEIGHTS: Mapping[tuple[str, bool], Weights] = {
+    (CLOSURE_NET, True): Weights(0.0005, 0.30, 0.58, 0.050, limit=2.75),
+    (CLOSURE_NET, False): Weights(0.0065, 0.01, 0.37, 0.036, limit=2.6),
+    (STIFFNESS, True): Weights(0.003, 0.50, 0.54, 0.040, limit=2.9),
+    (STIFFNESS, False): Weights(0.0035, 0.36, 0.43, 0.016, limit=3.2),
 }
-"""Limit over the expected error, by result and by whether the cycle is the first one."""
+"""Weights by result and by whether the cycle is the first one."""
 NOT_STABLE = 0.2
 """Scatter of the results of a joint, as `log_scatter`, beyond which it is not stable [1]."""
+_SHARES = np.linspace(CHORD_START, 1.0, 21)
+"""Stresses at which two loadings are compared, over the maximum."""
 
 
-def numerical_error(scatter: float, jump: float, quantity: str, cycle: int) -> float:
+def numerical_error(change: float, curve: float, jump: float, quantity: str, cycle: int) -> float:
     """Return the numerical error of a result, over it, that about nine of ten joints keep.
 
     Parameters
     ----------
-    scatter : float
-        Scatter of the result of the joint, with other steps, and of copies, as `log_scatter` [1].
+    change : float
+        Logarithm of the result by other steps over that of the joint [1].
+    curve : float
+        Difference of the first loading by another rule of steps, as `differences_of_loading` [1].
     jump : float
         Largest jump of the joint, over its closure [1].
     quantity : str
@@ -61,11 +81,47 @@ def numerical_error(scatter: float, jump: float, quantity: str, cycle: int) -> f
     -------
     float
         Relative error [1], by which the result may be multiplied or divided: 0.5 stands for 1.5
-        times as much and 1.5 times as little. NaN if the scatter is.
+        times as much and 1.5 times as little. NaN if the change or the curve is.
     """
-    first = cycle == 1
-    expected = math.hypot(LEAST, OF_JUMP[first] * jump, OF_SCATTER * scatter)
-    return math.expm1(LIMIT[quantity, first] * expected)
+    weights = WEIGHTS[quantity, cycle == 1]
+    expected = math.hypot(
+        weights.least,
+        weights.of_jump * jump,
+        weights.of_change * change,
+        weights.of_curve * curve,
+    )
+    return math.expm1(weights.limit * expected)
+
+
+def differences_of_loading(joint: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
+    """Return by how much the first loading of a joint differs by another rule of steps.
+
+    Parameters
+    ----------
+    joint, other : Dataset
+        Histories of the same joint, as from `jointclosure.simulate`.
+
+    Returns
+    -------
+    dict of float
+        By `CLOSURE_NET` and `STIFFNESS`: the root mean square difference of the net closures since
+        first touch, at stresses from half of the maximum of the first cycle to this maximum, over
+        the net closure since seating, and over the closure along the chord of the stiffness [1].
+        NaN where a loading does not reach the maximum.
+    """
+    maximum = history_of(joint).maxima[0]
+    one, two = (_first_loading(history, maximum) for history in (joint, other))
+    difference = float(np.sqrt(np.mean((two - one) ** 2)))
+    seated = float(net_responses(joint)["max_closure_seated_net"][0])
+    return {CLOSURE_NET: difference / seated, STIFFNESS: difference / float(one[-1] - one[0])}
+
+
+def _first_loading(joint: xr.Dataset, maximum: float) -> np.ndarray:
+    """Return net closures [m] of the first loading up to a maximum [Pa], at `_SHARES` of it."""
+    history = history_of(joint)
+    loading = history.branch(1, LOADING)
+    reached = float(history.stress[loading.steps].max())
+    return history.net.read(loading, np.minimum(_SHARES * maximum, reached))
 
 
 def log_scatter(values: Sequence[float]) -> float:
@@ -80,7 +136,14 @@ def log_scatter(values: Sequence[float]) -> float:
     return float(np.std(np.log(known), ddof=1))
 
 
-def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
+def log_change(value: float, other: float) -> float:
+    """Return the logarithm of another result over a result [1]; NaN unless both are positive."""
+    return math.log(other / value) if value > 0.0 and other > 0.0 else math.nan
+
+
+def numerical_errors_of(
+    results: pd.DataFrame, jump: float, curve: Mapping[str, float]
+) -> pd.DataFrame:
     """Return the numerical error of net closure and net stiffness, from the rows of a budget.
 
     Parameters
@@ -89,6 +152,8 @@ def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
         As `Budget.results`.
     jump : float
         Largest jump of the joint, over its closure [1] (`joint.cycle_results.largest_jump`).
+    curve : mapping
+        As from `differences_of_loading`; empty if the simulation by another rule failed.
 
     Returns
     -------
@@ -96,19 +161,19 @@ def numerical_errors_of(results: pd.DataFrame, jump: float) -> pd.DataFrame:
         One row per ``cycle`` and ``quantity``: ``error`` [1], as `numerical_error` (NaN where no
         other steps are known), and ``scatter``, as `log_scatter`, of the joint, of its copies
         (`jointclosure.uncertainty.variants.COPIES`, such as a mirrored one) and of those with other
-        steps; ``by`` describes these steps and copies.
+        steps; ``by`` describes these steps.
     """
     rows = []
     for cycle, here in results.groupby("cycle"):
         joint, steps, copies = (here[here.source == name] for name in ("", "breakage", ORDER))
         for quantity in (CLOSURE_NET, STIFFNESS):
             best, others, alike = (of[quantity].tolist() for of in (joint, steps, copies))
+            changes = [log_change(value, other) for value in best for other in others]
+            change = changes[0] if changes else math.nan
+            along = curve.get(quantity, math.nan)
+            error = numerical_error(change, along, jump, quantity, int(cycle))
             scatter = log_scatter([*best, *others, *alike])
-            error = np.nan
-            if np.isfinite(others).any():
-                error = numerical_error(scatter, jump, quantity, int(cycle))
-            by = f"{', '.join(steps.value)} and {len(alike)} copies"
-            rows.append((cycle, quantity, error, scatter, by))
+            rows.append((cycle, quantity, error, scatter, ", ".join(steps.value)))
     return pd.DataFrame(rows, columns=["cycle", "quantity", "error", "scatter", "by"])
 
 

@@ -21,7 +21,10 @@ from jointclosure.parameters import (
 from jointclosure.parameters.units import in_unit, name_and_unit
 from jointclosure.walls.scan_errors import ScanErrors
 
-ORDER = "order"  # source of another order of breakage: copies that differ in rounding, or mirrored
+ORDER = "order"  # source of another order of breakage: a mirrored copy
+OTHER_RULE = "other rule of steps"
+"""Source of the joint by the paper's steps, by which its numerical error is judged. Ranges do not
+contain it."""
 TITLES = {
     "spacing": "grid spacing",
     "breakage": "numerical error",
@@ -31,6 +34,7 @@ TITLES = {
     "scale": "scale of heights",
     "holes": "missing heights",
     ORDER: "order of breakage",
+    OTHER_RULE: "the paper's steps",
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
     "peaks": "choice of soft peaks",
@@ -128,7 +132,7 @@ def sources_of(
     if errors and errors.holes.any():
         sources["holes"] = Source((0, 1, 2), "random")
     if effects.breakage:
-        sources[ORDER] = Source(("as it is", "last digits", "mirrored"), "random")
+        sources[ORDER] = Source(("as it is", "mirrored"), "random")
     for name, ends in PLAUSIBLE.items():
         values = tuple(ranges.get(name, ends))
         stated = name in ranges

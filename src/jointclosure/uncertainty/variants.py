@@ -15,7 +15,7 @@ import numpy as np
 from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.uncertainty.sources import ALL, ORDER, SHARED, TITLES, Source
+from jointclosure.uncertainty.sources import ALL, ORDER, OTHER_RULE, SHARED, TITLES, Source
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
@@ -94,8 +94,14 @@ def variants_of(
     draws: int = RANDOM_JOINTS,
     seed: int = SEED,
 ) -> Iterator[Variant]:
-    """Generate the variants of a joint: each source changed alone, then all ``draws`` times."""
+    """Generate the variants of a joint: each source changed alone, then all ``draws`` times.
+
+    A joint whose breakage is resolved is also simulated by the paper's steps (`OTHER_RULE`).
+    """
     joint = Variant("", "", conditions)
+    if conditions.numerics.breakage == "resolved" and "breakage" in sources:
+        paper = conditions.numerics._replace(breakage="fixed_step")
+        yield joint.changed("breakage", paper)._replace(source=OTHER_RULE, value="fixed steps")
     for name, source in sources.items():
         if source.kind == SHARED:
             joint = joint.changed(name, source.values[1])
