@@ -239,7 +239,7 @@ def test_a_result_at_an_end_of_its_range_says_why(ranged):
     (line,) = [line for line in out.split("\n") if "range on one side" in line] or [""]
     assert bool(at_end) == bool(line)
     for row in rows:
-        name = RANGED_RESULTS[row["quantity"]].rpartition(" (")[0]
+        name = RANGED_RESULTS[row["quantity"]].partition(" (")[0]
         assert (f"{name}, cycle 1" in line) == (row["quantity"] in at_end)
 
 

@@ -736,7 +736,7 @@ def test_errors_of_the_scans_are_drawn_anew_for_each_joint(small_joint):
     covariance, middle = np.diag([1e-6, 0.01, 0.01]), np.array([12.0, 10.0])
     errors = ScanErrors(np.zeros(3), covariance, middle, (2e-6, 2e-6), none)
     joint = uncertain_joint(*small_joint, CONDITIONS, {}, errors)
-    assert len(joint.variants) == 25
+    assert len(joint.variants) == 24
     drawn = [v for v in joint.variants if v.source == ALL and v.step == 1]
     walls = [v.walls(*small_joint, errors)[0] for v in drawn]
     assert len({wall.tobytes() for wall in walls}) == len(walls)
@@ -862,10 +862,16 @@ def budget_with_lower(below):
     return Budget(results, ranges_of(results, sources, shares, further), ())
 
 
+def test_each_result_at_an_end_of_its_range_is_named_without_its_unit():
+    (line,) = [line for line in budget_with_lower(2).sentences() if "on one side" in line]
+    assert "mean aperture at the maximum stress, cycle 1" in line
+    assert "share of cells in contact at the maximum stress, cycle 1" in line
+
+
 @pytest.mark.parametrize(("below", "outlying"), [(2, True), (3, False), (17, False), (18, True)])
 def test_a_joint_at_the_edge_of_the_random_ones_is_reported(below, outlying):
     lines = budget_with_lower(below).sentences()
-    reported = [line for line in lines if "as registered" in line]
+    reported = [line for line in lines if "of the results of random inputs" in line]
     assert bool(reported) == outlying
     if reported:
         assert ("smaller" in reported[0]) == (below < 10)

@@ -184,7 +184,7 @@ class Budget(NamedTuple):
             if not self.modelled(cycle, quantity) or not high > low:
                 continue
             if min(best - low, high - best) <= AT_END * (high - low):
-                name = RANGED_RESULTS[quantity].rpartition(" (")[0]
+                name = RANGED_RESULTS[quantity].partition(" (")[0]
                 names.setdefault(name, []).append(str(cycle))
         if not names:
             return []
