@@ -43,13 +43,13 @@ from jointclosure.uncertainty.numerical_error import (
     numerical_error,
 )
 from jointclosure.uncertainty.ranged_results import CLOSURE_NET, STIFFNESS
-from jointclosure.uncertainty.sources import coarser
+from jointclosure.uncertainty.sources import by_paper_steps, coarser
 
 CLOSE, TWICE, PAPER, TRUE = "tolerance of close", "twice", "paper's steps", "an eighth"
 SETTINGS = {
     CLOSE: RESOLVED,
     TWICE: coarser(RESOLVED, 2.0),
-    PAPER: RESOLVED._replace(breakage="fixed_step"),
+    PAPER: by_paper_steps(RESOLVED),
     TRUE: coarser(RESOLVED, 0.125),
 }
 QUANTITIES = {

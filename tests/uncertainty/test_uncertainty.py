@@ -10,6 +10,7 @@ import scipy
 import jointclosure as jc
 from jointclosure.cli.command_results import summary
 from jointclosure.ensembles.quantities import CURVES
+from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.cycle_results import largest_jump, net_responses
 from jointclosure.joint.interpolation import monotone_curve
 from jointclosure.joint.laws import laws_of_joint
@@ -946,7 +947,7 @@ def test_the_error_of_a_joint_compares_its_loading_by_both_rules_of_steps(breaka
     """A resolved joint with the paper's steps, and one by these with resolved breakage."""
     walls = jc.wall_pair(8, (16, 16), 0.5e-3, 3)
     conditions = jc.Conditions(0.5e-3, "granite", 5e6, cycles=1).checked()
-    conditions = conditions._replace(numerics=jc.Numerics(breakage=breakage))
+    conditions = conditions._replace(numerics=FIRST[breakage])
     found = uncertainty_budget(uncertain_joint(*walls, conditions))
     joint = jc.simulate(*walls, conditions=conditions)
     change = jc.simulate(*walls, conditions=conditions._replace(numerics=SECOND[breakage]))
@@ -958,9 +959,11 @@ def test_the_error_of_a_joint_compares_its_loading_by_both_rules_of_steps(breaka
     assert limits_of_error(found.numerical)[1, CLOSURE_NET] == pytest.approx(expected)
 
 
+FIRST = {"fixed_step": jc.Numerics(), "resolved": RESOLVED}
+"""Steps of a joint."""
 SECOND = {
     "fixed_step": jc.Numerics(breakage="resolved"),
-    "resolved": coarser(jc.Numerics(breakage="resolved"), 2.0),
+    "resolved": coarser(RESOLVED, 2.0),
 }
 """Steps with which those of a joint are compared by its result."""
 OTHER = {"fixed_step": jc.Numerics(breakage="resolved"), "resolved": jc.Numerics()}

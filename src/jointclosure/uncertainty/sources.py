@@ -153,14 +153,25 @@ def sources_of(
 
 def coarser(numerics: Numerics, factor: float) -> Numerics:
     """Return numerics with the tolerance and the steps that act multiplied by a factor."""
-    steps = [name for name in Numerics._fields if "_step" in name and "most" not in name]
     effects, choices = Effects(), Choices()
     scaled = {
         name: factor * getattr(numerics, name)
-        for name in (*steps, "tolerance")
+        for name in (*_step_sizes(), "tolerance")
         if not without_effect(name, effects, choices, numerics)
     }
     return numerics._replace(**scaled)
+
+
+def by_paper_steps(numerics: Numerics) -> Numerics:
+    """Return numerics with the rule and the sizes of the paper's steps, else as they are."""
+    usual = Numerics()._asdict()
+    sizes = {name: usual[name] for name in _step_sizes()}
+    return numerics._replace(breakage=usual["breakage"], **sizes)
+
+
+def _step_sizes() -> list[str]:
+    """Return the names of the sizes of steps in `Numerics`."""
+    return [name for name in Numerics._fields if "_step" in name and "most" not in name]
 
 
 def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:

@@ -15,7 +15,15 @@ import numpy as np
 from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.uncertainty.sources import ALL, ORDER, OTHER_RULE, SHARED, TITLES, Source
+from jointclosure.uncertainty.sources import (
+    ALL,
+    ORDER,
+    OTHER_RULE,
+    SHARED,
+    TITLES,
+    Source,
+    by_paper_steps,
+)
 from jointclosure.walls import Walls
 from jointclosure.walls.scan_errors import ScanErrors
 
@@ -100,7 +108,7 @@ def variants_of(
     """
     joint = Variant("", "", conditions)
     if conditions.numerics.breakage == "resolved" and "breakage" in sources:
-        paper = conditions.numerics._replace(breakage="fixed_step")
+        paper = by_paper_steps(conditions.numerics)
         yield joint.changed("breakage", paper)._replace(source=OTHER_RULE, value="fixed steps")
     for name, source in sources.items():
         if source.kind == SHARED:
