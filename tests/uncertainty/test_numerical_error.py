@@ -91,6 +91,11 @@ def test_a_loading_that_is_shifted_differs_by_the_shift(joint):
     assert found[STIFFNESS] == pytest.approx(shift / chord, rel=0.02)
 
 
+def test_a_loading_without_closure_has_no_difference(joint):
+    still = joint.assign(closure=joint.bulk_indentation)
+    assert all(math.isnan(value) for value in differences_of_loading(still, joint).values())
+
+
 def test_only_the_first_loading_is_compared(joint):
     later = joint.load_cycle > 1
     other = joint.assign(closure=joint.closure.where(~later, 2.0 * joint.closure))

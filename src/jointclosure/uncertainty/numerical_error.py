@@ -107,13 +107,17 @@ def differences_of_loading(joint: xr.Dataset, other: xr.Dataset) -> dict[str, fl
         By `CLOSURE_NET` and `STIFFNESS`: the root mean square difference of the net closures since
         first touch, at stresses from half of the maximum of the first cycle to this maximum, over
         the net closure since seating, and over the closure along the chord of the stiffness [1].
-        NaN where a loading does not reach the maximum.
+        NaN where a loading has no such closure.
     """
     maximum = history_of(joint).maxima[0]
     one, two = (_first_loading(history, maximum) for history in (joint, other))
     difference = float(np.sqrt(np.mean((two - one) ** 2)))
     seated = float(net_responses(joint)["max_closure_seated_net"][0])
-    return {CLOSURE_NET: difference / seated, STIFFNESS: difference / float(one[-1] - one[0])}
+    along_chord = float(one[-1] - one[0])
+    return {
+        quantity: difference / closure if closure > 0.0 else math.nan
+        for quantity, closure in ((CLOSURE_NET, seated), (STIFFNESS, along_chord))
+    }
 
 
 def _first_loading(joint: xr.Dataset, maximum: float) -> np.ndarray:
