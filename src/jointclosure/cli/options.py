@@ -144,10 +144,11 @@ def one_or_two(text: str) -> str | tuple[str, ...]:
 
 
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
-    """Return a number in SI, or ``several`` with commas, from a text in the unit of a keyword.
+    """Return the numbers of a text, in the unit of a keyword, as a tuple of floats in SI.
 
-    ``single`` is whether one number alone is returned as such, ``none`` whether the text may be
-    "none". Raise `InputError` for other texts.
+    ``several`` is whether the text may have numbers with commas between them. If ``single``, one
+    number alone is returned as a float. If ``none``, the text may be "none", for which None is
+    returned. Raise `InputError` for other texts.
     """
     if none and text == "none":
         return None
