@@ -12,6 +12,7 @@ import numpy as np
 
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
+from jointclosure.inputs.keywords import documented
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.load import Load
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
@@ -19,7 +20,7 @@ from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.measured.joint_arguments import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, USUAL, Choices, Effects, Numerics, Rock, check_usual
-from jointclosure.parameters.units import documented, in_unit, to_si, unit_meant
+from jointclosure.parameters.units import in_unit, to_si, unit_meant
 from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.jrc import RELATIONS

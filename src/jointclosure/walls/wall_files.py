@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.length_units import size_of
 from jointclosure.inputs.remarks import caution
-from jointclosure.inputs.units import size_of
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.registered_pair import RegisteredPair
