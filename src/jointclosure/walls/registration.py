@@ -165,7 +165,7 @@ def registered_by(
     scale, scale_remarks = _clear_scale(pair)
     contradictions, unlike_rock = plausibility.unit_doubts(_by_side(pair), pair.spacing)
     if not options.unusual_values:
-        _check_usual_slopes(pair, contradictions, unlike_rock)
+        _check_possible_slopes(pair, contradictions, unlike_rock)
         if options.shift != "scanned":
             check_found(fit)
         plausibility.check_pair(grid.overlap.gap, pair.correlation, position.in_frame)
@@ -322,7 +322,7 @@ def _by_side(pair: RegisteredPair) -> dict[str, np.ndarray]:
     return {"upper": pair.upper, "lower": pair.lower}
 
 
-def _check_usual_slopes(
+def _check_possible_slopes(
     pair: RegisteredPair, contradictions: list[str], unlike_rock: list[str]
 ) -> None:
     """Refuse walls whose slopes no rough wall has, or whose heights contradict each other."""
