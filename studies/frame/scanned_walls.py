@@ -80,8 +80,8 @@ def prepared_walls(
         with naming(files):
             pair = registered(spacing=spacing, unusual_values=unusual_values, **stated)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
-        walls.attrs["registration"] = "; ".join(pair.report)
-        warnings += cautions(pair.report)
+        walls.attrs["registration"] = "; ".join(pair.remarks)
+        warnings += cautions(pair.remarks)
     else:
         if not unusual_values:
             with naming(files):

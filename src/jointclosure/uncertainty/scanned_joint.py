@@ -59,7 +59,7 @@ _STOPPED = caution("the range was stopped: these are results of the joint alone"
 class ClosedJoint(NamedTuple):
     """Two scanned walls after registration and closure.
 
-    ``pair`` has the walls that were closed, and describes their registration in its ``report``;
+    ``pair`` has the walls that were closed, and describes their registration in its ``remarks``;
     ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
     only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
     are stresses [Pa] that ``curves`` have besides round ones. ``lab_length`` [m] is the length of
@@ -254,7 +254,7 @@ def close(
         budget = _budget_or_none(uncertain, history, at, workers, progress)
         stopped = [] if budget else [_STOPPED]
         remark(stopped)
-    pair = pair._replace(report=[*pair.report, *scan_remarks, *hole_remarks, *stopped])
+    pair = pair._replace(remarks=[*pair.remarks, *scan_remarks, *hole_remarks, *stopped])
     lengths = joint_length, lab_length
     return ClosedJoint(pair, history, checked, name, budget, tuple(at), *lengths)
 

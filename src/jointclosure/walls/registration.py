@@ -109,7 +109,7 @@ def registered(
     -------
     RegisteredPair
         Both walls (y, x) [m] on one grid, parallel to each other, heights towards the other wall,
-        with the motion of the upper one, its errors, and a report in sentences.
+        with the motion of the upper one, its errors, and remarks.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def registered_by(
         if options.shift != "scanned":
             check_found(fit)
         plausibility.check_pair(grid.overlap.gap, pair.correlation, position.in_frame)
-    report = [
+    remarks = [
         *prepared.remarks,
         *sampled.remarks,
         *fit.remarks,
@@ -181,7 +181,7 @@ def registered_by(
         *scale_remarks,
         *map(caution, contradictions + unlike_rock),
     ]
-    return pair._replace(scale=scale, report=report)
+    return pair._replace(scale=scale, remarks=remarks)
 
 
 def _overlap_at(
@@ -250,7 +250,7 @@ def _grid_of_joint(overlap: Overlap, spacing: float, step: int) -> _GridOfJoint:
 def _registered_pair(
     grid: _GridOfJoint, fit: BestFit, position: Position, prepared: PreparedScans
 ) -> RegisteredPair:
-    """Make the registered pair, seated parallel, still without scale and report."""
+    """Make the registered pair, seated parallel, still without scale and remarks."""
     overlap = grid.overlap
     upper, lower = overlap.parallel_walls
     together = upper + lower
@@ -278,7 +278,7 @@ def _registered_pair(
         overlap=max(overlap.shares),
         holes=overlap.holes,
         first=overlap.first,
-        report=[],
+        remarks=[],
         fine=grid.fine,
         waves=prepared.shortest_waves,
         rounding=prepared.rounding_of_sum,

@@ -53,7 +53,7 @@ def registered_walls(
         )
         with naming(" and ".join(names)), _naming_units(scans.get("units")):
             pair = registered_by(checked, above, below, spacing)
-        pair.report.extend(order_cautions(upper, lower))
+        pair.remarks.extend(order_cautions(upper, lower))
     check_cells(pair.upper.shape, pair.spacing, spacing is not None)
     return pair
 
