@@ -43,7 +43,7 @@ joint = jc.close(
     snapshots=[1e6, 10e6],
 )
 print(joint)
-print("\n".join(f"- {line}" for line in joint.pair.report))
+print("\n".join(f"- {line}" for line in joint.pair.remarks))
 
 # %% [markdown]
 # How far the joint closes is known to a range only, by errors of the scans and of the numerics. A

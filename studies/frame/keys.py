@@ -16,8 +16,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSc
 from pydantic_core import core_schema
 
 from jointclosure.inputs import did_you_mean
+from jointclosure.inputs.keywords import documented
 from jointclosure.parameters import PROPERTIES, SOLVER_NAMES, Choices, Effects, Numerics
-from jointclosure.parameters.units import bounds_of, documented, name_and_unit, to_si
+from jointclosure.parameters.units import bounds_of, name_and_unit, to_si
 from jointclosure.walls.jrc import RELATIONS
 from jointclosure.walls.synthesis import RULES
 from studies.frame.yaml_files import refuse, short

@@ -32,15 +32,19 @@ REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
 
 
 def walls_of_files(
-    walls: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
+    settings: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
-    """Read the scans of a rock, and put them on a grid of ``spacing`` [m]; see `prepared_walls`."""
-    stated: dict[str, Any] = {"units": walls.units, "variable": walls.variable}
+    """Read the scans that ``settings`` name, and return their walls as `prepared_walls` does.
+
+    The grid has a ``spacing`` [m]. ``jrc_relation`` is the name of a relation in
+    `jointclosure.walls.jrc.RELATIONS`, by which each wall receives its equivalent JRC.
+    """
+    stated: dict[str, Any] = {"units": settings.units, "variable": settings.variable}
     scans = {
-        side: read_scan(file, scan_spacing=walls.spacing, **stated)
-        for side, file in wall_files(walls).items()
+        side: read_scan(file, scan_spacing=settings.spacing, **stated)
+        for side, file in wall_files(settings).items()
     }
-    return prepared_walls(scans, walls, spacing, jrc_relation, unusual_values)
+    return prepared_walls(scans, settings, spacing, jrc_relation, unusual_values)
 
 
 def prepared_walls(
@@ -76,8 +80,8 @@ def prepared_walls(
         with naming(files):
             pair = registered(spacing=spacing, unusual_values=unusual_values, **stated)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
-        walls.attrs["registration"] = "; ".join(pair.report)
-        warnings += cautions(pair.report)
+        walls.attrs["registration"] = "; ".join(pair.remarks)
+        warnings += cautions(pair.remarks)
     else:
         if not unusual_values:
             with naming(files):

@@ -72,9 +72,9 @@ def test_two_scans_are_closed_as_their_registered_walls_are(
     seated = 1e3 * float(alone.max_closure_seated[0])
     assert first.closure_gross_since_seating_mm == pytest.approx(seated)
     record = json.loads((folder / "joint.json").read_text())
-    assert record["found"] == joint.pair.report
-    assert record["found"][: len(pair.report)] == pair.report
-    assert record["warnings"] == cautions([*pair.report, loading_remark(joint.history, 1)])
+    assert record["found"] == joint.pair.remarks
+    assert record["found"][: len(pair.remarks)] == pair.remarks
+    assert record["warnings"] == cautions([*pair.remarks, loading_remark(joint.history, 1)])
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * joint.pair.mismatch.wavelength
     assert set(record["sha256"]) == {"upper", "lower"}
     settings = json.loads(record["provenance"]["settings"])

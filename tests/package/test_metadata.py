@@ -10,8 +10,8 @@ import yaml
 from packaging.requirements import Requirement
 
 import jointclosure as jc
-from jointclosure.cli.options import documented
 from jointclosure.inputs.extras import EXTRAS
+from jointclosure.inputs.keywords import documented
 from jointclosure.measured.joint_arguments import MeasuredJoint
 
 ROOT = Path(__file__).parents[2]

@@ -58,5 +58,5 @@ def test_close_says_it_of_results_that_have_a_range(single, unusual):
             orientation="common_frame", single=single, unusual_values=unusual,
         )  # fmt: skip
     untested = "were not tested on such walls"
-    assert any(untested in line for line in joint.pair.report) == (not single)
+    assert any(untested in line for line in joint.pair.remarks) == (not single)
     assert any(untested in str(w.message) for w in caught) == (not single and not unusual)

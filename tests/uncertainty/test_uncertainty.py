@@ -63,7 +63,7 @@ from jointclosure.uncertainty.uncertain_joint import (
     threads_for,
     uncertain_joint,
 )
-from jointclosure.uncertainty.variants import RANDOM_JOINTS, SEED, random_shares, variants_of
+from jointclosure.uncertainty.variants import RANDOM_JOINTS, SEED, random_positions, variants_of
 from jointclosure.walls.scan_errors import ScanErrors
 from studies.frame.yaml_files import read_plain
 from tests.joints import DOLERITE, SPACING, pair
@@ -194,30 +194,30 @@ def test_a_source_that_is_fixed_in_the_random_joints_has_no_part_in_their_depart
 def range_of(widths, scatter=0.0, seed=0):
     """The range of log(result/2) = sum of u width + noise, with u uniform in (-1, 1)."""
     sources = {name: Source((0.0, 1.0), "range") for name in widths}
-    shares, further = (random_shares(sources, n, seed) for n in (RANDOM_JOINTS, 10_000))
+    positions, further = (random_positions(sources, n, seed) for n in (RANDOM_JOINTS, 10_000))
     widest = np.array(list(widths.values()))
     noise = scatter * np.random.default_rng(seed).standard_normal(RANDOM_JOINTS)
     logs = [0.0, *(end for width in widest for end in (-width, width))]
-    logs += list((2.0 * shares - 1.0) @ widest + noise)
+    logs += list((2.0 * positions - 1.0) @ widest + noise)
     names = ["", *(name for name in widths for _ in "ab"), *[ALL] * RANDOM_JOINTS]
     values = dict.fromkeys(RANGED_RESULTS, 2.0 * np.exp(logs))
     results = pd.DataFrame({"cycle": 1, "source": names} | values)
-    return ranges_of(results, sources, shares, further).iloc[0]
+    return ranges_of(results, sources, positions, further).iloc[0]
 
 
 def test_variants_of_another_tolerance_are_compared_with_the_joint_that_has_it():
     sources = {"breakage": Source((0, 1), SHARED), "a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 10_000))
-    shares[:, 0] = 0.5
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 10_000))
+    positions[:, 0] = 0.5
     names = ["", "breakage", "a", "a", *[ALL] * RANDOM_JOINTS]
-    changes = np.concatenate([[0.0, 0.0, -1.0, 1.0], 2.0 * shares[:, 1] - 1.0])
+    changes = np.concatenate([[0.0, 0.0, -1.0, 1.0], 2.0 * positions[:, 1] - 1.0])
 
     def ends(factor, further):
         values = 2.0 * np.exp(changes) * np.where(np.array(names) == "", 1.0, factor)
         results = pd.DataFrame(
             {"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, values)
         )
-        return ranges_of(results, sources, shares, further).iloc[0][["low", "high"]]
+        return ranges_of(results, sources, positions, further).iloc[0][["low", "high"]]
 
     without = further * [0.0, 1.0] + [0.5, 0.0]
     np.testing.assert_allclose(ends(1.3, without), ends(1.0, without), rtol=1e-12)
@@ -257,8 +257,8 @@ def test_the_range_holds_nine_in_ten_of_the_random_results():
 def test_both_ends_leave_out_a_twentieth():
     for widths in ({"a": 1.0}, {"a": 0.5, "b": 2.0}):
         found = range_of(widths)
-        shares = random_shares(widths, 10_000, 0)
-        exact = 2.0 * np.exp((2.0 * shares - 1.0) @ np.array(list(widths.values())))
+        positions = random_positions(widths, 10_000, 0)
+        exact = 2.0 * np.exp((2.0 * positions - 1.0) @ np.array(list(widths.values())))
         for end, part in (("low", 0.05), ("high", 0.95)):
             assert found[end] == pytest.approx(np.quantile(exact, part), rel=1e-6)
 
@@ -266,32 +266,32 @@ def test_both_ends_leave_out_a_twentieth():
 def of_equal_departures():
     """Results of 16 random joints that lie 1 off on either side of the best, in logarithms."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (16, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (16, 1000))
     logs = np.array([0.0, 0.0, 0.0, *np.tile([-1.0, 1.0], 8)])
-    return sources, shares, further, ["", "a", "a", *[ALL] * 16], 2.0 * np.exp(logs)
+    return sources, positions, further, ["", "a", "a", *[ALL] * 16], 2.0 * np.exp(logs)
 
 
 @pytest.mark.usefixtures("as_sources_make_it")
 def test_departures_have_the_variance_of_a_further_joint():
     """Student's t of a sample of n about its mean: s^2 (1 + 1/n), with s^2 = 16/15 and n = 16."""
-    sources, shares, further, names, values = of_equal_departures()
+    sources, positions, further, names, values = of_equal_departures()
     results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, values))
-    ends = ranges_of(results, sources, shares, further).iloc[0]
+    ends = ranges_of(results, sources, positions, further).iloc[0]
     half = np.log(ends[["low", "high"]].astype(float) / 2.0)
     scale = np.sqrt(16.0 / 15.0 * (1.0 + 1.0 / 16.0))
     np.testing.assert_allclose(np.abs(half), scale * scipy.stats.t.ppf(0.95, 15), rtol=5e-3)
 
 
 def test_a_band_is_as_wide_as_the_range_of_the_same_results():
-    sources, shares, further, names, values = of_equal_departures()
+    sources, positions, further, names, values = of_equal_departures()
     results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, values))
-    ends = ranges_of(results, sources, shares, further).loc[(1, CLOSURE)]
+    ends = ranges_of(results, sources, positions, further).loc[(1, CLOSURE)]
     name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
         for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
     ]
-    bands = bands_of(pd.concat(curves), sources, shares, further)
+    bands = bands_of(pd.concat(curves), sources, positions, further)
     for number in ("low", "high"):
         expected = np.array([0.0, 0.5, 1.0]) * ends[number]
         np.testing.assert_allclose(bands[f"{name}_{number}"], expected, rtol=1e-12, atol=1e-12)
@@ -303,12 +303,12 @@ APERTURE = "mean_aperture_at_max_mm"
 @pytest.fixture(scope="module")
 def half_widths():
     """Logarithmic widths of the ranges of two cycles with equal departures."""
-    sources, shares, further, names, values = of_equal_departures()
+    sources, positions, further, names, values = of_equal_departures()
     results = pd.concat(
         pd.DataFrame({"cycle": cycle, "source": names} | dict.fromkeys(RANGED_RESULTS, values))
         for cycle in (1, 2)
     )
-    widths = np.log(ranges_of(results, sources, shares, further)[["low", "high"]].astype(float))
+    widths = np.log(ranges_of(results, sources, positions, further)[["low", "high"]].astype(float))
     return widths.high - widths.low
 
 
@@ -325,13 +325,13 @@ def test_ranges_are_widened_by_the_factors_that_pairs_of_known_truth_needed(half
 
 
 def test_bands_of_apertures_are_wider_as_their_ranges(half_widths):
-    sources, shares, further, names, values = of_equal_departures()
+    sources, positions, further, names, values = of_equal_departures()
     place, name = {"cycle": 1, "branch": "loading"}, "mean_aperture_mm"
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
         for stress, part in ((0.5, 3.0), (1.0, 2.0), (2.0, 1.0))
     ]
-    bands = bands_of(pd.concat(curves), sources, shares, further)
+    bands = bands_of(pd.concat(curves), sources, positions, further)
     of_band = np.log(bands[f"{name}_high"] / bands[f"{name}_low"])
     np.testing.assert_allclose(of_band, half_widths[1, APERTURE], rtol=1e-9)
 
@@ -348,9 +348,9 @@ def of_close_departures():
 @pytest.fixture(scope="module")
 def limited_ranges():
     """Narrow ranges without and with the limits of the numerical error."""
-    sources, shares, further, names, close = of_close_departures()
+    sources, positions, further, names, close = of_close_departures()
     results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
-    given = results, sources, shares, further
+    given = results, sources, positions, further
     return ranges_of(*given), ranges_of(*given, NUMERICAL_LIMITS)
 
 
@@ -368,31 +368,31 @@ def test_a_numerical_error_below_the_range_changes_nothing(limited_ranges):
 
 
 def test_bands_contain_the_limit_of_the_numerical_error():
-    sources, shares, further, names, close = of_close_departures()
+    sources, positions, further, names, close = of_close_departures()
     place, name = {"cycle": 1, "branch": "loading"}, "closure_net_since_seating_mm"
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * close})
         for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
     ]
-    bands = bands_of(pd.concat(curves), sources, shares, further, NUMERICAL_LIMITS)
+    bands = bands_of(pd.concat(curves), sources, positions, further, NUMERICAL_LIMITS)
     low = np.array([0.0, 1.0, 2.0]) / 1.2
     np.testing.assert_allclose(bands[f"{name}_low"], low, atol=1e-12)
     np.testing.assert_allclose(bands[f"{name}_high"], [0.0, 1.2, 2.4], atol=1e-12)
 
 
 def test_an_error_beyond_the_result_itself_leaves_the_range_positive():
-    sources, shares, further, names, close = of_close_departures()
+    sources, positions, further, names, close = of_close_departures()
     results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
-    ranges = ranges_of(results, sources, shares, further, {(1, STIFFNESS): 3.0})
+    ranges = ranges_of(results, sources, positions, further, {(1, STIFFNESS): 3.0})
     ends = ranges.loc[(1, STIFFNESS), ["low", "high"]].tolist()
     assert ends == pytest.approx([0.5, 8.0])
 
 
 def test_the_limit_of_gross_closure_is_that_of_the_net_one_in_length():
-    sources, shares, further, names, close = of_close_departures()
+    sources, positions, further, names, close = of_close_departures()
     results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
     results[CLOSURE_GROSS] = 2.0 * results[CLOSURE]
-    ranges = ranges_of(results, sources, shares, further, NUMERICAL_LIMITS)
+    ranges = ranges_of(results, sources, positions, further, NUMERICAL_LIMITS)
     assert ranges.loc[(1, CLOSURE), "high"] == pytest.approx(2.4)
     assert ranges.loc[(1, CLOSURE_GROSS), "high"] == pytest.approx(4.4)
 
@@ -400,14 +400,14 @@ def test_the_limit_of_gross_closure_is_that_of_the_net_one_in_length():
 def test_a_band_of_stiffness_is_a_curve_without_steps():
     """Quantiles at each stress fall here and there: one mean of neighbours would be a step."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     name, random = "normal_stiffness_net_MPa_per_mm", np.random.default_rng(4)
     stresses, rows = np.arange(1.0, 21.0), []
     for source in ["", "a", "a", *[ALL] * RANDOM_JOINTS]:
         saw = np.exp(0.3 * random.standard_normal(stresses.size))
         rows.append(pd.DataFrame({"normal_stress_MPa": stresses, name: stresses * saw}))
         rows[-1] = rows[-1].assign(cycle=1, branch="loading", source=source)
-    bands = bands_of(pd.concat(rows), sources, shares, further)
+    bands = bands_of(pd.concat(rows), sources, positions, further)
     low, high = (bands[f"{name}_{end}"].to_numpy() for end in ("low", "high"))
     assert (np.diff(low) > 0.0).all()
     assert (np.diff(high) > 0.0).all()
@@ -418,7 +418,7 @@ def test_a_band_of_stiffness_is_a_curve_without_steps():
 def test_a_band_contains_the_curve_of_the_joint():
     """Though all joints with random values lie above it."""
     sources = {"noise": Source((0, 1, 2), "random")}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     name, place = "closure_net_since_seating_mm", {"cycle": 1, "branch": "loading"}
     names = ["", "noise", "noise", *[ALL] * RANDOM_JOINTS]
     values = np.where(np.array(names) == "", 1.0, 2.0)
@@ -426,7 +426,7 @@ def test_a_band_contains_the_curve_of_the_joint():
         pd.DataFrame(place | {"normal_stress_MPa": stress, "source": names, name: part * values})
         for stress, part in ((0.5, 0.0), (1.0, 0.5), (2.0, 1.0))
     ]
-    bands = bands_of(pd.concat(curves), sources, shares, further)
+    bands = bands_of(pd.concat(curves), sources, positions, further)
     np.testing.assert_allclose(bands[f"{name}_low"], [0.0, 0.5, 1.0], atol=1e-12)
     np.testing.assert_allclose(bands[f"{name}_high"], [0.0, 1.0, 2.0], atol=1e-12)
 
@@ -434,7 +434,7 @@ def test_a_band_contains_the_curve_of_the_joint():
 def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
     """The change by half the spacing, which is not simulated, would lead beyond them here."""
     sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     names = ["", "spacing", *[ALL] * RANDOM_JOINTS]
     place = {"cycle": 1, "branch": "loading", "flow_status": "flows", "source": names}
     twice = np.array(names) == "spacing"
@@ -444,7 +444,7 @@ def test_a_band_of_the_hydraulic_aperture_ends_in_those_of_its_bounds():
         .assign(smallest_hydraulic_mm=np.where(twice, 5e-3, 8e-3), largest_hydraulic_mm=0.012)
         for stress in (1.0, 2.0)
     )
-    bands = bands_of(curves, sources, shares, further).iloc[0]
+    bands = bands_of(curves, sources, positions, further).iloc[0]
     assert (
         bands.hydraulic_aperture_mm_low_with_choices == bands.smallest_hydraulic_mm_low_with_choices
     )
@@ -465,14 +465,14 @@ def test_half_the_spacing_changes_an_aperture_by_a_difference_and_others_by_a_fa
 ):
     monkeypatch.setattr(ranges_module, "widening_of", lambda quantity: 1.0)
     sources = {"spacing": Source((1.0, 2.0), "multiple", varied=False)}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     names = ["", "spacing", *[ALL] * RANDOM_JOINTS]
     place = {"cycle": 1, "branch": "loading", "source": names}
     values = np.where(np.array(names) == "spacing", 0.02, 0.08)
     curves = [
         pd.DataFrame(place | {"normal_stress_MPa": stress, name: values}) for stress in (1.0, 2.0)
     ]
-    band = bands_of(pd.concat(curves), sources, shares, further).iloc[0]
+    band = bands_of(pd.concat(curves), sources, positions, further).iloc[0]
     np.testing.assert_allclose(band[f"{name}_low_with_choices"], 0.02, rtol=1e-9)
     np.testing.assert_allclose(band[f"{name}_high_with_choices"], with_half, rtol=1e-9)
 
@@ -493,7 +493,7 @@ def random_ends():
     """Ends of ranges of random results, whose departures from the sum of the sources are of few
     joints."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     random, found = np.random.default_rng(2), []
     for _ in range(20):
         net = np.exp(random.standard_normal(RANDOM_JOINTS + 3))
@@ -502,7 +502,7 @@ def random_ends():
         results = pd.DataFrame(
             {"cycle": 1, "source": ["", "a", "a", *[ALL] * RANDOM_JOINTS]} | values
         )
-        found.append(ranges_of(results, sources, shares, further).loc[1][["low", "high"]])
+        found.append(ranges_of(results, sources, positions, further).loc[1][["low", "high"]])
     return found
 
 
@@ -526,8 +526,8 @@ def budget_of(values):
     names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
     values = dict.fromkeys(RANGED_RESULTS, np.ones(5)) | values
     results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
-    shares = np.array([[0.2], [0.8]])
-    return Budget(results, ranges_of(results, sources, shares, shares), ())
+    positions = np.array([[0.2], [0.8]])
+    return Budget(results, ranges_of(results, sources, positions, positions), ())
 
 
 @pytest.mark.parametrize(("size", "modelled"), [(1e-15, False), (1e-9, True)])
@@ -561,8 +561,8 @@ def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
     names = ["", *["youngs_modulus"] * 2, *[ALL] * 2]
     values = dict.fromkeys(RANGED_RESULTS, np.ones(5)) | {VM: vm}
     results = pd.DataFrame({"cycle": 1, "source": names, "value": ""} | values)
-    shares = np.array([[0.2], [0.8]])
-    budget = Budget(results, ranges_of(results, sources, shares, shares), ())
+    positions = np.array([[0.2], [0.8]])
+    budget = Budget(results, ranges_of(results, sources, positions, positions), ())
     assert budget.text(1, VM) == ("undetermined" if missing == 5 else "1.0 (1.0 to 1.0)")
     assert any(f"undetermined for {missing} of 5 variants" in line for line in budget.sentences())
 
@@ -580,7 +580,7 @@ def test_an_initial_stiffness_that_joints_do_not_determine_is_stated():
 
 def test_the_stiffness_of_unloading_has_the_error_of_the_loading_that_follows_it():
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     stiffness = "normal_stiffness_net_MPa_per_mm"
     curves = pd.concat([
         pd.DataFrame({"cycle": [1, 1, 1, 1, 2, 2], "branch": 2 * ["loading"] + 2 * ["unloading"]
@@ -589,7 +589,7 @@ def test_the_stiffness_of_unloading_has_the_error_of_the_loading_that_follows_it
         for name in ["", "a", "a", *[ALL] * RANDOM_JOINTS]
     ])  # fmt: skip
     limits = {(1, STIFFNESS): 0.5, (2, STIFFNESS): 0.1}
-    bands = bands_of(curves, sources, shares, further, limits)
+    bands = bands_of(curves, sources, positions, further, limits)
     widths = bands[f"{stiffness}_high"] / bands[stiffness]
     np.testing.assert_allclose(widths, [1.5, 1.5, 1.1, 1.1, 1.1, 1.1])
 
@@ -598,7 +598,7 @@ def test_the_stiffness_of_unloading_has_the_error_of_the_loading_that_follows_it
 def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
     """A blocked flow is known to be 0; the bounds are always known."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 1000))
     names = ["", "a", "a", *[ALL] * RANDOM_JOINTS]
     curves = [
         pd.DataFrame({"cycle": 1, "branch": "loading", "normal_stress_MPa": [1.0, 2.0],
@@ -608,7 +608,7 @@ def test_a_band_of_flow_is_not_known_where_that_of_any_variant_is_not(status):
     ]  # fmt: skip
     curves[5].loc[1, "flow_status"] = status
     curves[5].loc[1, "hydraulic_aperture_mm"] = 0.0 if status == "blocked" else np.nan
-    band = bands_of(pd.concat(curves), sources, shares, further)
+    band = bands_of(pd.concat(curves), sources, positions, further)
     ends = band[[f"hydraulic_aperture_mm_{end}" for end in ("low", "high")]]
     assert np.isfinite(ends.iloc[0]).all()
     assert np.isfinite(ends.iloc[1]).all() == (status == "blocked")
@@ -706,6 +706,23 @@ def test_each_source_is_varied_alone_to_its_plausible_values(budget, small_joint
     assert low < results["", ""] < high
 
 
+def test_properties_of_either_wall_are_taken_as_exact_and_two_rocks_have_no_range(
+    small_joint, monkeypatch
+):
+    """A range of a property is refused for two rocks, so that no line may advise to state one."""
+    softer = DOLERITE._replace(youngs_modulus=50e9)
+    neutral = {DOLERITE: ["compressive_strength"], softer: ["youngs_modulus"]}
+    monkeypatch.setattr(budget_module, "acting", neutral.get)
+    conditions = CONDITIONS._replace(rock=(DOLERITE, softer))
+    found = uncertainty_budget(uncertain_joint(*small_joint, conditions))
+    assert found.omitted == ("registration", "youngs_modulus", "compressive_strength")
+    (exact,) = (line for line in found.sentences() if line.startswith("taken as exact"))
+    assert "only if both walls are of one rock" in exact
+    assert "--range" not in exact
+    with pytest.raises(jc.InputError, match="both walls must be of one rock"):
+        sources_of(conditions, small_joint[0].shape, MODULI)
+
+
 def variants_by_value(shape):
     """Variants of `CONDITIONS` by source and value."""
     sources = sources_of(CONDITIONS, shape)
@@ -792,14 +809,14 @@ def test_choices_that_are_changed_are_those_of_the_global_sensitivity_study():
 def test_sources_that_do_not_add_up_count_by_what_they_do_together(factor):
     """The changes of joints with random values are a multiple of the expected sums."""
     sources = {name: Source((0.0, 1.0), "range") for name in "ab"}
-    shares, further = (random_shares(sources, n, 0) for n in (RANDOM_JOINTS, 10_000))
-    drawn, later = ((2.0 * part - 1.0).sum(axis=1) for part in (shares, further))
+    positions, further = (random_positions(sources, n, 0) for n in (RANDOM_JOINTS, 10_000))
+    drawn, later = ((2.0 * part - 1.0).sum(axis=1) for part in (positions, further))
     logs = [0.0, -1.0, 1.0, -1.0, 1.0, *(factor * drawn)]
     results = pd.DataFrame(
         {"cycle": 1, "source": ["", *"aabb", *[ALL] * RANDOM_JOINTS]}
         | dict.fromkeys(RANGED_RESULTS, 2.0 * np.exp(logs))
     )
-    low = float(np.log(ranges_of(results, sources, shares, further).iloc[0].low / 2.0))
+    low = float(np.log(ranges_of(results, sources, positions, further).iloc[0].low / 2.0))
     slope = min(max(factor, 0.0), 1.0)
     left = (factor - slope) * drawn  # what no source explains, of a further joint
     scale = np.sqrt((RANDOM_JOINTS + 1) / RANDOM_JOINTS) * left.std(ddof=1)
@@ -842,25 +859,25 @@ def test_joints_of_a_range_are_closed_at_once_as_far_as_memory_allows():
 @pytest.mark.parametrize(("share", "stays"), [(0.004, False), (-0.004, False), (0.006, True)])
 def test_what_stays_of_a_closure_is_stated_beyond_the_error_of_its_steps(share, stays):
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (20, 1000))
     values = dict.fromkeys(RANGED_RESULTS, np.full(23, 0.01))
     values["residual_closure_seated_net_mm"] = np.append(np.zeros(22), share * 0.01)
     results = pd.DataFrame({"cycle": 2, "source": ["", "a", "a", *[ALL] * 20]} | values)
     results = results.assign(value="", status=0)
-    budget = Budget(results, ranges_of(results, sources, shares, further), ())
+    budget = Budget(results, ranges_of(results, sources, positions, further), ())
     assert (budget.text(2, "residual_closure_seated_net_mm") != "not modelled") == stays
 
 
 def budget_with_lower(below):
     """A budget of 20 random joints of which some close less than the joint itself."""
     sources = {"a": Source((0.0, 1.0), "range")}
-    shares, further = (random_shares(sources, n, 0) for n in (20, 1000))
+    positions, further = (random_positions(sources, n, 0) for n in (20, 1000))
     drawn = np.where(np.arange(20) < below, 0.5, 2.0)
     values = dict.fromkeys(RANGED_RESULTS, np.array([1.0, 1.0, 1.0, *drawn]))
     values["residual_closure_seated_net_mm"] = np.append(1e-13, np.zeros(22))
     results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * 20]} | values)
     results = results.assign(value="", status=0)
-    return Budget(results, ranges_of(results, sources, shares, further), ())
+    return Budget(results, ranges_of(results, sources, positions, further), ())
 
 
 def test_each_result_at_an_end_of_its_range_is_named_without_its_unit():
@@ -1036,5 +1053,5 @@ def test_arguments_are_refused_before_files_are_read(stated, words):
 
 
 def test_random_values_of_two_sources_with_stated_ranges_hardly_correlate():
-    correlations = np.corrcoef(random_shares(VARIED, RANDOM_JOINTS, SEED).T)
+    correlations = np.corrcoef(random_positions(VARIED, RANDOM_JOINTS, SEED).T)
     assert np.abs(correlations - np.eye(len(VARIED))).max() < 0.275

@@ -163,8 +163,8 @@ def test_the_motion_of_a_scan_is_undone_within_its_errors(number):
     assert abs(angle) < 0.02
     assert shift < 0.1
     assert np.abs(errors / np.sqrt(np.diag(pair.mated.covariance))).max() < 4.0
-    assert f"turned by {pair.mated.angle:.3f} +- " in " ".join(pair.report)
-    assert "mm along (x, y), with standard errors, to the position" in " ".join(pair.report)
+    assert f"turned by {pair.mated.angle:.3f} +- " in " ".join(pair.remarks)
+    assert "mm along (x, y), with standard errors, to the position" in " ".join(pair.remarks)
     assert pair.mated.tilt == pytest.approx(truth.about["tilt"], abs=0.1)
     assert pair.orientation == ("turned_over" if truth.about["over"] else "common_frame")
     for wall, true in zip((pair.upper, pair.lower), truth.walls(pair), strict=True):
@@ -224,7 +224,7 @@ def test_a_joint_has_the_spacing_that_is_stated():
     upper, lower = jc.wall_pair(9.0, (96, 96), step, 4, correlation=0.99, roll_off=None)
     pair = registered(grid(-upper, step=step), grid(lower, step=step), step, shift="scanned")
     np.testing.assert_allclose(pair.lower, lower, atol=1e-12)
-    assert not any("points are" in line for line in pair.report)
+    assert not any("points are" in line for line in pair.remarks)
 
 
 @pytest.mark.parametrize("seed", [0, 1])  # of other seeds one in ten fits by chance
@@ -264,7 +264,7 @@ def test_the_wrong_orientation_leaves_more_voids(orientations):
 def test_only_the_wrong_orientation_is_warned_of(orientations):
     right, wrong = orientations
     for found, warned in ((wrong, True), (right, False)):
-        assert any("orientation" in line for line in cautions(found.report)) == warned
+        assert any("orientation" in line for line in cautions(found.remarks)) == warned
 
 
 @pytest.mark.parametrize(("distance", "word"), [(1e-3, "above"), (-1e-3, "below")])
@@ -273,17 +273,17 @@ def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, wo
     if word == "below":
         with pytest.raises(jc.InputError, match=r"lies below the lower one in \S+ % of the cells"):
             registered(*scans)
-    report = registered(*scans, unusual_values=word == "below").report
-    assert f"lies 1 mm {word} the lower one" in report[-1]
-    assert (report[-1] in cautions(report)) == (word == "below")
+    remarks = registered(*scans, unusual_values=word == "below").remarks
+    assert f"lies 1 mm {word} the lower one" in remarks[-1]
+    assert (remarks[-1] in cautions(remarks)) == (word == "below")
 
 
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
 def test_scans_without_a_common_zero_do_not_show_the_order_of_the_walls(order, joint):
     scans = [grid(wall - wall.mean()) for wall in (-joint[0], joint[1])][order]
-    report = registered(*scans).report
-    assert report[-1].startswith("Warning: the scans have no common zero of heights")
-    assert report[-1] in cautions(report)
+    remarks = registered(*scans).remarks
+    assert remarks[-1].startswith("Warning: the scans have no common zero of heights")
+    assert remarks[-1] in cautions(remarks)
 
 
 def test_interchanged_walls_of_which_one_was_turned_over_are_the_same_joint(joint):
@@ -309,7 +309,7 @@ def test_the_aperture_is_zero_at_first_touch_where_no_spike_is(joint, walls):
         np.testing.assert_allclose(pair.aperture + summed, summed.max(), atol=1e-15)
     assert kept.first_touch_cell == (40, 50) != whole.first_touch_cell
     assert kept.aperture.mean() > 2e-3
-    assert any("lower wall: 1 of 4608 points are spikes" in line for line in whole.report)
+    assert any("lower wall: 1 of 4608 points are spikes" in line for line in whole.remarks)
     # the height in its place is that between its neighbours
     expected = registered(scanned(upper), grid(joint[1]))
     assert abs(whole.aperture.mean() - expected.aperture.mean()) < 1e-4
@@ -423,7 +423,7 @@ def test_holes_do_not_carry_the_load_of_the_joint():
             scans = grid(1e-3 - walls[0]), grid(lower)
             joint = jc.close(*scans, rock="granite", max_normal_stress=10e6, single=True)
         closures.append(joint.history.max_closure_seated.values[0])
-        of_force = [line for line in joint.pair.report if "% of the force" in line]
+        of_force = [line for line in joint.pair.remarks if "% of the force" in line]
         assert len(of_force) == damage
         assert "snapshot" not in joint.history.dims
     assert any("out of contact" in str(line.message) for line in warned)
@@ -484,7 +484,7 @@ def test_heights_in_another_unit_than_x_and_y_are_refused_or_warned_of(
     scans = grid(1e-3 - upper), grid(lower)
     found = registered(*scans, **AS_SCANNED)
     none = ("unit", "plateaus", "holes")
-    assert not any(word in line for line in found.report for word in none)
+    assert not any(word in line for line in found.remarks for word in none)
     both = [scan._replace(heights=factor * scan.heights) for scan in scans]
     words = rf"in another unit than x and y, by a factor of .*{max(factor, 1 / factor):g}"
     pair = [both[k] if k == wrong else scans[k] for k in (0, 1)]
@@ -609,7 +609,7 @@ def test_inclined_scans_of_both_walls_are_the_joint_of_level_ones(shift, degrees
     level = registered(*map(Cloud, clouds), SPACING, **known)
     pair = registered(*inclined, SPACING, **known)
     turned = f"lower wall: the mean plane is inclined by {degrees:.1f} degrees: the scan was turned"
-    assert any(line.startswith(turned) for line in pair.report)
+    assert any(line.startswith(turned) for line in pair.remarks)
     assert pair.aperture.std() == pytest.approx(level.aperture.std(), rel=0.08)
     assert min(pair.upper.shape) >= 37
     assert not any("inclined" in warning for warning in pair.warnings)
@@ -683,7 +683,7 @@ def test_a_joint_without_holes_has_no_remark_about_their_force(walls):
     scans = grid(0.6e-3 - walls[0]), grid(walls[1])
     conditions = jc.Conditions(SPACING, DOLERITE, 1e6, 1, 0.1e6)
     joint = jc.close(*scans, conditions=conditions, orientation="common_frame", single=True)
-    assert not [line for line in joint.pair.report if "of the force" in line]
+    assert not [line for line in joint.pair.remarks if "of the force" in line]
     assert "snapshot_stress" not in joint.history
 
 

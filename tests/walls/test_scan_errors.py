@@ -330,7 +330,7 @@ def inclined_points(wall, degrees):
 def test_rounding_of_an_inclined_grid_is_that_of_the_heights_as_read(walls):
     rounded = [np.round(inclined_grid(wall, 19.0), 4) for wall in (1e-3 - walls[0], walls[1])]
     pair = registered(*map(scan_of, rounded), orientation="common_frame", shift="scanned")
-    assert "the scan was turned until it lies level" in " ".join(pair.report)
+    assert "the scan was turned until it lies level" in " ".join(pair.remarks)
     assert sum("heights are multiples of 100 um" in line for line in pair.warnings) == 2
     assert pair.rounding == pytest.approx(1e-4 * np.sqrt(2.0 / 12.0), rel=1e-6)
 
@@ -345,7 +345,7 @@ def test_spikes_that_are_cut_do_not_change_the_spacing_of_the_joint(walls):
     for cloud in points:
         cloud[2000:6000:80, 2] += 2e-3
     spiky = registered(*map(Cloud, points), **known)
-    assert "of 9216 points are spikes" in " ".join(spiky.report)
+    assert "of 9216 points are spikes" in " ".join(spiky.remarks)
     assert spiky.spacing == whole.spacing
 
 

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     walls = arguments.upper, arguments.lower
     unusual = checked.unusual_values
     pair = registered_walls(*walls, scans, checked.spacing, unusual_values=unusual, **grid)
-    print("\n".join(f"- {line}" for line in pair.report), flush=True)
+    print("\n".join(f"- {line}" for line in pair.remarks), flush=True)
     arguments.output.mkdir(exist_ok=True)
     with bar("closing") as show:
         joint = [(pair.upper, pair.lower)]

@@ -12,6 +12,7 @@ import numpy as np
 
 from jointclosure.inputs import UNITS as UNITS_OF_SCANS
 from jointclosure.inputs import InputError
+from jointclosure.inputs.keywords import documented
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.load import Load
 from jointclosure.joint.rocks import ROCKS, KnownRock, matching
@@ -19,7 +20,7 @@ from jointclosure.joint.simulation import simulate
 from jointclosure.measured.headings import CLOSURE_UNITS, FORCE_UNITS, STRESS_UNITS
 from jointclosure.measured.joint_arguments import MeasuredJoint
 from jointclosure.parameters import OF_ROCK, USUAL, Choices, Effects, Numerics, Rock, check_usual
-from jointclosure.parameters.units import documented, in_unit, to_si, unit_meant
+from jointclosure.parameters.units import in_unit, to_si, unit_meant
 from jointclosure.storage.folders import check_record
 from jointclosure.uncertainty.scanned_joint import close
 from jointclosure.walls.jrc import RELATIONS
@@ -144,10 +145,11 @@ def one_or_two(text: str) -> str | tuple[str, ...]:
 
 
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
-    """Return a number in SI, or ``several`` with commas, from a text in the unit of a keyword.
+    """Return the numbers of a text, in the unit of a keyword, as a tuple of floats in SI.
 
-    ``single`` is whether one number alone is returned as such, ``none`` whether the text may be
-    "none". Raise `InputError` for other texts.
+    ``several`` is whether the text may have numbers with commas between them. If ``single``, one
+    number alone is returned as a float. If ``none``, the text may be "none", for which None is
+    returned. Raise `InputError` for other texts.
     """
     if none and text == "none":
         return None

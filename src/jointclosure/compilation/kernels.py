@@ -195,7 +195,11 @@ def _stated_number(folder: Path) -> int | None:
 
 
 def store_number_of_kernels() -> None:
-    """Store the number of kernels, once the machine code of all of them is stored."""
+    """Store how many kernels have machine code now, as the number of all kernels.
+
+    It is called only after all kernels were compiled, which is not checked here. Nothing is written
+    if there is no cache folder.
+    """
     if cache_folder().is_dir():  # it is absent if nothing can be written
         number, _ = stored_kernels()
         (cache_folder() / _NUMBER).write_text(f"{number}\n", encoding="utf-8")

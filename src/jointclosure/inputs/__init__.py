@@ -15,7 +15,7 @@ from jointclosure.inputs.checks import (
     naming,
     real_array,
 )
-from jointclosure.inputs.units import (
+from jointclosure.inputs.length_units import (
     SPELT,
     UNITS,
     size_of,

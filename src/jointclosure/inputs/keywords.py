@@ -1,6 +1,7 @@
-"""Keywords of functions that are the fields of a named tuple."""
+"""Keywords of functions: fields of a named tuple as keywords, their checks and documentation."""
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
@@ -51,3 +52,17 @@ def check_keywords(
         raise TypeError(f"{function}() got an unexpected keyword argument {name!r}{meant}")
     if missing := [name for name in required if name not in stated]:
         raise TypeError(f"{function}() needs the keyword arguments {', '.join(missing)}")
+
+
+def documented(function: Callable[..., Any]) -> dict[str, str]:
+    """Return the documentation of each parameter of a function, or attribute of a type."""
+    _, *sections = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")
+    if not sections:  # as python -OO leaves docstrings out
+        return dict.fromkeys(inspect.signature(function).parameters, "")
+    text = sections[0]
+    entries = re.findall(r"^(\S+(?:, \S+)*)(?: : .*)?\n((?:    .*\n?)+)", text, re.MULTILINE)
+    texts: dict[str, str] = {}
+    for names, about in entries:
+        plain = re.sub(r" \[\w+\]| \(`jointc[^)]*\)|`", "", " ".join(about.split()))
+        texts |= dict.fromkeys(names.split(", "), plain)
+    return texts

@@ -49,7 +49,11 @@ def _excess(history: History, loading: Branch, unloading: Branch) -> float:
 
 
 def hysteresis(joint: xr.Dataset) -> np.ndarray:
-    """Compute the share (cycles,) of each cycle's work of loading that is lost on unloading."""
+    """Return the share (cycles,) of the work of loading that unloading does not give back.
+
+    Works are those over the gross closure. The share is NaN for a cycle without unloading, or whose
+    loading took no work.
+    """
     history = history_of(joint)
     shares = np.full(joint.max_closure.size, np.nan)
     for index, cycle in history.unloaded_cycles(np.full(shares.size, np.inf)):

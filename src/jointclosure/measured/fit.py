@@ -263,7 +263,7 @@ def fit(
     assumed = given.assumed(np.unique(strengths[[0, -1]]).tolist())
     assumed += "; only the first loading is fitted" if first_loading else ""
     if progress and pair is not None:
-        print("\n".join(f"- {line}" for line in pair.report))
+        print("\n".join(f"- {line}" for line in pair.remarks))
     elif progress:
         print(f"assumed (--jrc, --size or --cells, --spacing and others change it): {assumed}")
     joints = ComparisonJoints(

@@ -276,7 +276,7 @@ def validate(
     joints.check(ends)
     assumed = given.assumed(ends)
     assumed += f"; closures measured to {percent(given.joint.closure_error)}, 95 % confidence"
-    for line in pair.report if pair is not None else [f"assumed: {assumed}"]:
+    for line in pair.remarks if pair is not None else [f"assumed: {assumed}"]:
         report(line)
     again = f", and again in {len(laters)} ways" if measured.cycles > 1 else ""
     count = given.joint.surfaces * wavelengths.size * tried.size

@@ -281,7 +281,11 @@ def check_rock(rock: Rock) -> None:
 
 
 def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
-    """Raise `InputError` if a value is no number, or unusual for rock and its joints (`USUAL`)."""
+    """Raise `InputError` if a value named in `USUAL` is no number, or outside its usual range.
+
+    Checked are the properties of ``rocks`` and ``values`` by their names [SI]. None, 0 and infinity
+    pass. Names that are not in `USUAL` are not checked.
+    """
     for values_by_name in (*(rock._asdict() for rock in rocks), values):
         for name, value in values_by_name.items():
             if name not in USUAL or value is None:

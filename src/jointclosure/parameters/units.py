@@ -1,10 +1,7 @@
 """Properties with unit, range, title and symbol; units of a configuration in SI and back."""
 
-import inspect
 import math
 import operator
-import re
-from collections.abc import Callable
 from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple, get_type_hints
@@ -109,20 +106,6 @@ def check_inside(name: str, value: Any, interval: str, reason: str = "") -> None
     check_number(name, value)
     if not all(getattr(operator, sign)(value, end) for sign, end in bounds_of(interval).items()):
         raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
-
-
-def documented(function: Callable[..., Any]) -> dict[str, str]:
-    """Return the documentation of each parameter of a function, or attribute of a type."""
-    _, *sections = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")
-    if not sections:  # as python -OO leaves docstrings out
-        return dict.fromkeys(inspect.signature(function).parameters, "")
-    text = sections[0]
-    entries = re.findall(r"^(\S+(?:, \S+)*)(?: : .*)?\n((?:    .*\n?)+)", text, re.MULTILINE)
-    texts: dict[str, str] = {}
-    for names, about in entries:
-        plain = re.sub(r" \[\w+\]| \(`jointc[^)]*\)|`", "", " ".join(about.split()))
-        texts |= dict.fromkeys(names.split(", "), plain)
-    return texts
 
 
 @cache

@@ -80,7 +80,11 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
-    """Draw net tangent stiffness kn [MPa/mm] over stress [MPa]."""
+    """Draw the net tangent stiffness kn [MPa/mm] of one joint over stress [MPa].
+
+    The stiffness has a logarithmic axis, with a line for each cycle and branch. The range of a
+    `ClosedJoint` is not drawn.
+    """
     axes = _axes(axes)
     draw_stiffness(axes, stress_table(_history(joint)))
     return axes

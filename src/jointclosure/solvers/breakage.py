@@ -83,12 +83,13 @@ class Cells(NamedTuple):
 class Due(NamedTuple):
     """Cells to examine at the end of each short step, as one list for each of these moments.
 
-    A cell that becomes due at another moment is not removed from its former list, where it would
-    have to be searched. Of the entries of a cell in a list the latest counts, and only if the cell
-    is due at the moment of this list.
+    A moment is the number of a short step, 0 for none. The end of the whole step has no list. A
+    cell that becomes due at another moment is not removed from its former list, where it would have
+    to be searched. Of the entries of a cell in a list the latest counts, and only if the cell is
+    due at the moment of this list.
     """
 
-    moment: np.ndarray  # number of the short step at which each cell is due, 0 for none
+    moment: np.ndarray  # at which each cell is due, 0 for none
     lists: np.ndarray  # cells (moments, most entries)
     counts: np.ndarray  # number of entries of each list
 
@@ -405,7 +406,10 @@ def remove_old_entries(due, moment):
 
 @kernel
 def listed_moment(due, moment):
-    """Return a moment, or 0 for one at the end of the step, which has no list."""
+    """Return a moment if a list of `Due` belongs to it, else 0, as for the end of the whole step.
+
+    A cell whose moment is 0 is due at no moment.
+    """
     return moment if moment < due.counts.size else 0
 
 
@@ -427,10 +431,7 @@ def set_due(due, cell, moment):
 
 @kernel
 def let_due_wait(due, moment, turns):
-    """Move the cells that are due at a moment to the waiting ones, those of the last entry first.
-
-    A moment is the number of a short step.
-    """
+    """Move the cells due at a moment to the waiting ones, those of the last entry first."""
     for k in range(due.counts[moment] - 1, -1, -1):
         cell = due.lists[moment, k]
         if due.moment[cell] == moment:

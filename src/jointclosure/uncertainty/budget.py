@@ -41,10 +41,11 @@ from jointclosure.uncertainty.ranges import ENDS, NUMBERS, WIDER, bands_of, rang
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, OTHER_RULE, SHARED, TITLES, Source
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
 from jointclosure.uncertainty.variants import (
+    FURTHER_SEED,
     RANDOM_JOINTS,
     SEED,
     Variant,
-    random_shares,
+    random_positions,
     value_text,
 )
 
@@ -108,6 +109,8 @@ class Budget(NamedTuple):
         Descriptions of the choices of the model that were changed.
     numerical : DataFrame
         As from `numerical_errors_of`.
+    one_rock : bool
+        Whether both walls are of one rock, so that ranges of its properties can be stated.
     """
 
     results: pd.DataFrame
@@ -116,6 +119,7 @@ class Budget(NamedTuple):
     curves: pd.DataFrame = pd.DataFrame()
     choices: tuple[str, ...] = ()
     numerical: pd.DataFrame = pd.DataFrame(columns=["cycle", "quantity", "error", "scatter", "by"])
+    one_rock: bool = True
 
     def __str__(self) -> str:
         return "\n".join([*self.tables(), *(f"- {line}" for line in [*self.sentences(), MEASURED])])
@@ -162,18 +166,20 @@ class Budget(NamedTuple):
         """Name failed variants, and what is not varied in the range."""
         lines = []
         closure = next(iter(RANGED_RESULTS))
-        failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
-        for source, rows in failed.drop_duplicates().groupby("source"):
+        failures = self.results.loc[self.results[closure].isna(), ["source", "value"]]
+        for source, rows in failures.drop_duplicates().groupby("source"):
             count = f"{len(rows)} random sets of inputs" if source == ALL else TITLES[source]
             lines.append(f"failed, and not in the range: {count} ({rows.value.iloc[0]})")
         if "registration" in self.omitted:
             lines.append("not varied in the range: the position of the walls, as no fit moved them")
         if exact := [name for name in self.omitted if name in OF_ROCK]:
             names = ", ".join(TITLES[name] for name in exact)
-            lines.append(
-                f"taken as exact, and not varied in the range: {names} (--range "
-                f"{key_of(exact[-1])} LOW HIGH, or ranges= in Python, adds their ranges)"
+            remedy = (
+                f"--range {key_of(exact[-1])} LOW HIGH, or ranges= in Python, adds their ranges"
+                if self.one_rock
+                else "ranges of them can be stated only if both walls are of one rock"
             )
+            lines.append(f"taken as exact, and not varied in the range: {names} ({remedy})")
         return lines
 
     def one_sided(self) -> list[str]:
@@ -388,15 +394,15 @@ class _Answer(NamedTuple):
 def uncertainty_budget(
     joint: UncertainJoint,
     closed: xr.Dataset | None = None,
-    report: Callable[[float, str], None] = lambda share, variant: None,
+    on_variant: Callable[[float, str], None] = lambda share, variant: None,
     workers: int | None = None,
     at: Sequence[float] = (),
 ) -> Budget:
     """Simulate the variants of a joint and return its uncertainty budget.
 
     Variants have one source changed, or random values of all sources. ``closed`` is the
-    history of the joint itself, if it is simulated already. ``report`` receives the finished share
-    and the name of the variant. ``at`` are stresses [Pa] that curves have besides round ones.
+    history of the joint itself, if it is simulated already. ``on_variant`` receives the finished
+    share and the name of the variant. ``at`` are stresses [Pa] that curves have besides round ones.
     """
     sources = joint.sources
     variants = [Variant("", "", joint.conditions), *joint.variants]
@@ -431,23 +437,30 @@ def uncertainty_budget(
     threads = threads_for(joint.cells, workers)
     for number, answer in in_threads(answer_of, variants, threads):
         answers[number], name = answer, variants[number].source
-        report(len(answers) / len(variants), TITLES.get(name, name or "joint"))
+        on_variant(len(answers) / len(variants), TITLES.get(name, name or "joint"))
     in_order = [answers[number] for number in range(len(variants))]
     results = pd.concat([answer.rows for answer in in_order], ignore_index=True)
     curves = pd.concat([answer.curves for answer in in_order])
-    differences = next((answer.differences for answer in in_order if answer.differences), {})
-    exact = "registration", *acting(joint.conditions.rock[0])
-    omitted = tuple(name for name in exact if name not in sources)
-    shares = random_shares(sources, RANDOM_JOINTS, SEED)
-    further = random_shares(sources, FURTHER, 1)
-    shares[:, [source.kind == SHARED for source in sources.values()]] = 0.5  # no change
+    differences: dict[str, float] = next(
+        (answer.differences for answer in in_order if answer.differences), {}
+    )
+    upper, lower = joint.conditions.rock
+    of_rock = [name for name in OF_ROCK if name in {*acting(upper), *acting(lower)}]
+    omitted = tuple(name for name in ("registration", *of_rock) if name not in sources)
+    positions = random_positions(sources, RANDOM_JOINTS, SEED)
+    further_positions = random_positions(sources, FURTHER, FURTHER_SEED)
+    # no change: joints that are simulated all have the second value of a shared source already,
+    # and further joints vary it
+    positions[:, [source.kind == SHARED for source in sources.values()]] = 0.5
     numerical = numerical_errors_of(results, largest_jump(closed), differences)
     limits = limits_of_error(numerical)
     varied = results[results.source != OTHER_RULE]
     varied_curves = curves[curves.source != OTHER_RULE]
-    ranges = ranges_of(varied, sources, shares, further, limits)
-    bands = bands_of(varied_curves, sources, shares, further, limits, ranges)
-    return Budget(results, ranges, omitted, bands, _choices(sources), numerical)
+    ranges = ranges_of(varied, sources, positions, further_positions, limits)
+    bands = bands_of(varied_curves, sources, positions, further_positions, limits, ranges)
+    return Budget(
+        results, ranges, omitted, bands, _choices(sources), numerical, one_rock=upper == lower
+    )
 
 
 def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:

@@ -65,15 +65,16 @@ NUMBERS = ["best", *ENDS, *WIDER]
 def ranges_of(
     results: pd.DataFrame,
     sources: Mapping[str, Source],
-    shares: np.ndarray,
-    further: np.ndarray,
+    positions: np.ndarray,
+    further_positions: np.ndarray,
     limits: Mapping[tuple[int, str], float] = {},
 ) -> pd.DataFrame:
     """Compute `Budget.ranges` from `Budget.results`.
 
-    ``shares`` (draws, sources) are the random values, as for `Source.at`, of the joints simulated
-    with all sources at random (`ALL`), ``further`` (n, sources) those of further joints. A range is
-    at least as wide as the limit of the numerical error of its result (`limits_of_error`).
+    ``positions`` (draws, sources) are the random values, as for `Source.at`, of the joints
+    simulated with all sources at random (`ALL`), ``further_positions`` (n, sources) those of
+    further joints. A range is at least as wide as the limit of the numerical error of its result
+    (`limits_of_error`).
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
@@ -90,7 +91,7 @@ def ranges_of(
                 best = of_cycle[of_cycle.source == ""].iloc[0]
                 error *= min(best[limited] / best[quantity], 1.0)
             rows[cycle, quantity] = _range_of(
-                values, sources, shares, further, quantity, error=error
+                values, sources, positions, further_positions, quantity, error=error
             )
         share = rows[cycle, CONTACT]
         share.update({end: share[end] / (1.0 + share[end]) for end in NUMBERS[1:]})
@@ -111,17 +112,17 @@ def widening_of(quantity: str) -> float:
 def _range_of(
     values: dict[str, np.ndarray],
     sources: Mapping[str, Source],
-    shares: np.ndarray,
-    further: np.ndarray,
+    positions: np.ndarray,
+    further_positions: np.ndarray,
     quantity: str,
     least: float | None = None,
     error: float = 0.0,
 ) -> dict[str, float]:
     """Return a row of `Budget.ranges` from the results of the variants of each source.
 
-    ``shares`` and ``further`` are as for `ranges_of`; ``quantity`` is the name of the result.
-    Changes are factors if the ``least`` result, by default of the variants, is positive. Ranges are
-    widened about the joint (`widening_of`), and contain its numerical ``error`` [1].
+    ``positions`` and ``further_positions`` are as for `ranges_of`; ``quantity`` is the name of the
+    result. Changes are factors if the ``least`` result, by default of the variants, is positive.
+    Ranges are widened about the joint (`widening_of`), and contain its numerical ``error`` [1].
     """
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
@@ -143,13 +144,15 @@ def _range_of(
             name: source.changes_at(changes[name], at)
             for (name, source), at in zip(sources.items(), of_joints.T, strict=True)
         }
-        for of_joints in (shares, further)
+        for of_joints in (positions, further_positions)
     )
     slope, departures = _departures(drawn, _sum(expected, sources, True))
     centre = departures.mean()
     scatter = np.sqrt((departures.size + 1) / departures.size)
     scatter *= departures.std(ddof=1) if departures.size > 1 else 0.0
-    further_departures = centre + scatter * _student_t(len(further), max(departures.size - 1, 1))
+    further_departures = centre + scatter * _student_t(
+        len(further_positions), max(departures.size - 1, 1)
+    )
     of_range = slope * _sum(of_further, sources, True) + further_departures
     wider = of_range + _sum(of_further, sources, False)
     ends = np.quantile([of_range, wider], [OUTSIDE, 1.0 - OUTSIDE], axis=1).T
@@ -229,8 +232,8 @@ def _limit_on_branch(
 def bands_of(
     curves: pd.DataFrame,
     sources: Mapping[str, Source],
-    shares: np.ndarray,
-    further: np.ndarray,
+    positions: np.ndarray,
+    further_positions: np.ndarray,
     limits: Mapping[tuple[int, str], float] = {},
     ranges: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
@@ -263,7 +266,9 @@ def bands_of(
             error = _limit_on_branch(limits, int(cycle), branch, name)
             numbers = {}
             if known:
-                numbers = _range_of(values, sources, shares, further, name, smallest, error)
+                numbers = _range_of(
+                    values, sources, positions, further_positions, name, smallest, error
+                )
             for number in ends:
                 row[f"{name}_{number}"] = numbers.get(number, np.nan)
         rows.append(row)

@@ -59,7 +59,7 @@ _STOPPED = caution("the range was stopped: these are results of the joint alone"
 class ClosedJoint(NamedTuple):
     """Two scanned walls after registration and closure.
 
-    ``pair`` has the walls that were closed, and describes their registration in its ``report``;
+    ``pair`` has the walls that were closed, and describes their registration in its ``remarks``;
     ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
     only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
     are stresses [Pa] that ``curves`` have besides round ones. ``lab_length`` [m] is the length of
@@ -213,7 +213,7 @@ def close(
     checked = checked_as_stated(stated, snapshots)
     check_named_stresses(at, checked)
     check_joint_lengths(joint_length, lab_length)
-    _check_range(checked, single, ranges, workers)
+    _check_arguments_of_range(checked, single, ranges, workers)
     name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
 
     pair = registered_walls(
@@ -227,46 +227,39 @@ def close(
         unusual_values=checked.unusual_values,
     )
     checked = on_grid(checked, pair.spacing)
-    remark = _Remarks(printed=progress)
-    doubts = () if checked.unusual_values else pair.warnings
-    remark(summary_of(pair), doubts, heading="Registration")
+    remark = _Remarks(progress, checked.unusual_values)
+    remark(summary_of(pair), pair.warnings, heading="Registration")
     uncertain = _joint_and_variants(pair, checked, ranges, single)
     if progress:
         print(f"Joint: {_description(pair, checked, name)}: {checked.load.description()}")
     untested = [] if single else beyond_tested(pair)
-    noise_remarks = [*_about_noise(pair, uncertain.errors), *untested]
-    remark(untested, () if checked.unusual_values else untested)
+    scan_remarks = [*_about_noise(pair, uncertain.errors), *untested]
+    remark(untested, doubts=untested)
 
-    has_holes = bool(pair.holes.any())
-    # of the force on holes there is a snapshot at the largest stress, which is given up again
-    taken = (*snapshots, float(checked.largest_stress)) if has_holes else snapshots
-    simulation = Simulation(pair.upper, pair.lower, checked, taken)
+    simulation = Simulation(pair.upper, pair.lower, checked, snapshots)
     slow = [] if checked.unusual_values else simulation.near_strength()
     for lines in (slow, _about_cost(uncertain, workers)):
-        remark(lines, lines)
+        remark(lines, costs=lines)
     # compile first, so that the time of the joint, from which the time of the range is estimated,
     # does not contain it
     if not single:
         prepare_kernels([checked.model])
-    history, seconds = _timed_run(simulation, report, progress)
-    largest = float(checked.largest_stress)
-    hole_remarks = _force_in_holes(pair, history, largest) if has_holes else []
-    remark(hole_remarks, () if checked.unusual_values else cautions(hole_remarks))
-    history = with_snapshots(history, snapshots) if has_holes else history
+    history, seconds, hole_remarks = _run_with_holes(simulation, pair, report, progress)
+    remark(hole_remarks, doubts=cautions(hole_remarks))
 
     budget = None
     stopped = list[str]()
     if not single and not failed(history):  # a failed joint has no range
         remark(_about_time_of_range(uncertain, seconds) if progress else [])
-        budget = _range(uncertain, history, at, workers, progress)
+        budget = _budget_or_none(uncertain, history, at, workers, progress)
         stopped = [] if budget else [_STOPPED]
         remark(stopped)
-    pair = pair._replace(report=[*pair.report, *noise_remarks, *hole_remarks, *stopped])
+    pair = pair._replace(remarks=[*pair.remarks, *scan_remarks, *hole_remarks, *stopped])
     lengths = joint_length, lab_length
     return ClosedJoint(pair, history, checked, name, budget, tuple(at), *lengths)
 
 
-def _check_range(
+def _check_arguments_of_range(
     conditions: CheckedConditions,
     single: bool,
     ranges: Mapping[str, tuple[float, float]],
@@ -292,6 +285,22 @@ def _joint_and_variants(
     return uncertain_joint(pair.upper, pair.lower, conditions, ranges, errors, finest)
 
 
+def _run_with_holes(
+    simulation: Simulation, pair: RegisteredPair, report: StepReport | None, progress: bool
+) -> tuple[xr.Dataset, float, list[str]]:
+    """Run a simulation; return history, processor time [s], and remarks on holes of the scans.
+
+    Of the force on holes there is a snapshot at the largest stress, which the history gives up.
+    """
+    if not pair.holes.any():
+        return *_timed_run(simulation, report, progress), []
+    stated = simulation.snapshots
+    largest = float(simulation.conditions.largest_stress)
+    simulation.snapshots = (*stated, largest)
+    history, seconds = _timed_run(simulation, report, progress)
+    return with_snapshots(history, stated), seconds, _force_in_holes(pair, history, largest)
+
+
 def _timed_run(
     simulation: Simulation, report: StepReport | None, progress: bool
 ) -> tuple[xr.Dataset, float]:
@@ -303,7 +312,7 @@ def _timed_run(
     return history, time.process_time() - start
 
 
-def _range(
+def _budget_or_none(
     joint: UncertainJoint,
     history: xr.Dataset,
     at: Sequence[float],
@@ -321,18 +330,28 @@ def _range(
 
 
 class _Remarks:
-    """Remarks of `close` on its way: printed lines, or warnings of the doubts among them."""
+    """Remarks of `close` on its way: printed lines, or warnings of doubts and costs among them.
 
-    def __init__(self, printed: bool) -> None:
+    ``unusual_values`` silence the warnings of doubts, and not those of costs.
+    """
+
+    def __init__(self, printed: bool, unusual_values: bool) -> None:
         self.printed = printed
+        self.unusual_values = unusual_values
 
-    def __call__(self, lines: Sequence[str], doubts: Sequence[str] = (), heading: str = "") -> None:
+    def __call__(
+        self,
+        lines: Sequence[str],
+        doubts: Sequence[str] = (),
+        costs: Sequence[str] = (),
+        heading: str = "",
+    ) -> None:
         if self.printed:
             first = [f"{heading}\n"] if heading else []
             print("".join([*first, *(f"- {line}\n" for line in lines)]), end="", flush=True)
             return
-        for doubt in doubts:
-            warnings.warn(without_word(doubt), stacklevel=3)  # at the line that called `close`
+        for warned in (*(() if self.unusual_values else doubts), *costs):
+            warnings.warn(without_word(warned), stacklevel=3)  # at the line that called `close`
 
 
 def _no_bar(share: float, variant: str) -> None:

@@ -67,29 +67,29 @@ class Source(NamedTuple):
     values: tuple
     kind: str = "choice"
     varied: bool = True
-    usual: float = 0.5  # share of a "range" at which the joint lies
+    usual: float = 0.5  # position in a "range" at which the joint lies
 
-    def at(self, share: float) -> Any:
-        """Return the value at a share, in [0, 1), of its range or of its alternatives."""
+    def at(self, position: float) -> Any:
+        """Return the value at a position, in [0, 1), of its range or of its alternatives."""
         if self.kind == "random":
-            return len(self.values) + int(share * 2**32)  # another draw
+            return len(self.values) + int(position * 2**32)  # another draw
         if self.kind == "choice":
-            return self.values[int(share * len(self.values))]
+            return self.values[int(position * len(self.values))]
         low, high = self.values
-        return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
+        return low * (high / low) ** position if low > 0.0 else low + position * (high - low)
 
-    def changes_at(self, changes: np.ndarray, shares: np.ndarray) -> np.ndarray:
-        """Return the expected change of a result at shares (n,), from that at each value (k,)."""
+    def changes_at(self, changes: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Return expected changes of a result at positions (n,), from those at each value (k,)."""
         if self.kind == "random":
-            return np.zeros(shares.shape)
+            return np.zeros(positions.shape)
         changes = np.nan_to_num(changes)  # what is not known counts as 0
         if self.kind == "range":
-            return np.interp(shares, [0.0, self.usual, 1.0], [changes[0], 0.0, changes[1]])
+            return np.interp(positions, [0.0, self.usual, 1.0], [changes[0], 0.0, changes[1]])
         if self.kind == SHARED:  # the error may as well have the other sign
-            return (2.0 * shares - 1.0) * changes[0]
+            return (2.0 * positions - 1.0) * changes[0]
         if self.kind == MULTIPLE:
-            return np.array([changes[0], 0.0, changes[1]])[(3.0 * shares).astype(int)]
-        return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
+            return np.array([changes[0], 0.0, changes[1]])[(3.0 * positions).astype(int)]
+        return np.append(0.0, changes)[(positions * len(self.values)).astype(int)]
 
 
 def sources_of(

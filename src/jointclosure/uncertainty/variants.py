@@ -31,6 +31,8 @@ RANDOM_JOINTS = 12  # that are simulated with random values of all sources
 SEED = 1796
 """Seed of their random values: of the first 4,000 that with the smallest correlation between any
 two of `VARIED` (0.27; median of all seeds 0.59), so that their effects are not confounded."""
+FURTHER_SEED = 1
+"""Seed of the random values of further joints, whose results are estimated and not simulated."""
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
     "as it is": lambda wall: wall,
     "last digits": lambda wall: wall * (1.0 + 1e-12),
@@ -117,24 +119,24 @@ def variants_of(
         for value in source.values[0 if source.kind == "range" else 1 :]:
             yield joint.changed(name, value)._replace(source=name, value=value_text(name, value))
     fixed = {name for name, source in sources.items() if source.kind == SHARED or not source.varied}
-    for number, row in enumerate(random_shares(sources, draws, seed)):
+    for number, row in enumerate(random_positions(sources, draws, seed)):
         drawn = joint._replace(source=ALL)
         texts = []
         if not sources.keys() - fixed - {ORDER}:  # only the order of breakage is left
             copy = list(COPIES)[1 + number % (len(COPIES) - 1)]
             drawn = drawn.changed(ORDER, copy)
             texts = [f"{TITLES[ORDER]} {copy}"]
-        for share, (name, source) in zip(row, sources.items(), strict=True):
+        for position, (name, source) in zip(row, sources.items(), strict=True):
             if name == ORDER or name in fixed:  # another order, and the same steps, in all
                 continue
-            value = source.at(float(share))
+            value = source.at(float(position))
             drawn = drawn.changed(name, value)
             texts.append(f"{TITLES[name]} {value_text(name, value)}")
         yield drawn._replace(value="; ".join(texts))
 
 
-def random_shares(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
-    """Draw a share of the range of each source (draws, sources) in [0, 1), as a Latin hypercube."""
+def random_positions(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
+    """Draw positions in the ranges of sources (draws, sources) in [0, 1), as a Latin hypercube."""
     columns = []
     for name in names:
         random = generator(seed_of(seed, "range", name))

@@ -1,4 +1,4 @@
-"""Sentences of the report of a registration on the walls that it made."""
+"""Remarks of a registration on the walls that it made."""
 
 import numpy as np
 
@@ -22,8 +22,8 @@ _ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may 
 def wall_remarks(pair: RegisteredPair, overlap: Overlap, in_frame: bool) -> list[str]:
     """Describe the walls of a pair, made of their ``overlap`` on the grid of the joint.
 
-    ``in_frame``: both scans have one frame, in which the walls lie as they were scanned. The report
-    and the scale of the pair are not read.
+    ``in_frame``: both scans have one frame, in which the walls lie as they were scanned. The
+    remarks and the scale of the pair are not read.
     """
     cells = f"{grid_text(pair.upper.shape, pair.spacing)} (x, y)"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]

@@ -46,7 +46,7 @@ class RegisteredPair(NamedTuple):
     overlap: float  # share of the smaller scan
     holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there
     first: np.ndarray  # place (x, y) [m] of the first cell in the lower scan
-    report: list[str]  # results in sentences
+    remarks: list[str]  # results of the registration in sentences
     fine: FineWalls | None = None
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
@@ -57,8 +57,8 @@ class RegisteredPair(NamedTuple):
 
     @property
     def warnings(self) -> list[Caution]:
-        """Warnings among the sentences of the report."""
-        return cautions(self.report)
+        """Warnings among the remarks."""
+        return cautions(self.remarks)
 
     def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
         """Return the smallest and largest estimate [m] of the noise of the sum of both walls.

@@ -81,12 +81,14 @@ def registered(
         If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
         in a "common_frame", and heights of a scan from above count "towards" the lower wall.
     spacing : float, optional
-        Grid spacing of the walls [m]: by default the larger point distance of the scans (that of a
-        grid, if the scattered points of the other scan are on average up to 5 % farther apart), or
-        the multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are
-        sampled.
-        If a scan holds no waves of twice this spacing, the default is the multiple of it that the
-        scan resolves, up to 16 cells along the shorter side (``LEAST_CELLS``).
+        Grid spacing of the walls [m], by default the multiple of the larger point distance of both
+        scans that is nearest to 0.25 mm, at least this distance itself. If a scan holds no waves of
+        twice this spacing, the default is the multiple of it that the scan resolves, up to 16 cells
+        along the shorter side (``LEAST_CELLS``).
+
+        If the scattered points of one scan are on average up to 5 % farther apart than those of a
+        grid, the distance is that of the grid. A grid whose points are at most half of the spacing
+        apart is sampled: single heights are taken at the nodes of the coarser grid.
     orientation : str, optional
         Orientation of the upper scan, a key of `ORIENTATIONS`: by default the one with the best
         correlation of the walls' slopes over all rotations, if it is clear.
@@ -98,15 +100,27 @@ def registered(
         (`jointclosure.walls.outliers.remove_spikes`).
     largest_filled_share : float
         Largest share of cells in holes inside the walls for which they are taken out of contact:
-        they receive the height of the other wall and the largest aperture of the cells around.
+        they receive the height of the other wall and the largest aperture of the cells around. If
+        the share is larger, the walls are cut to the largest rectangle without holes.
     unusual_values : bool
         Whether to accept pairs that are probably wrong.
+
+    Returns
+    -------
+    RegisteredPair
+        Both walls (y, x) [m] on one grid, parallel to each other, heights towards the other wall,
+        with the motion of the upper one, its errors, and remarks.
 
     Raises
     ------
     InputError
-        If an option is none of its words, the spacing is no length or an unusual one, the fit is
-        ambiguous and orientation and shift are not stated, or the pair is unusual.
+        If an option is none of its words, the spacing is no length, or a flat wall has no or a
+        wrong orientation; if no fit is clearly best and ``orientation`` is not stated, even if
+        ``shift`` is; if the walls are too inclined or overlap in too few cells. Unless
+        ``unusual_values``, also if the spacing is unusual, a scan has a defect, a stated
+        orientation fits clearly worse than another one, walls left in their "scanned" position are
+        rotated against each other, least squares of heights find no position (not with ``shift``
+        "scanned"), or heights, slopes or units of the pair are unusual.
     """
     options = RegistrationOptions(
         orientation=orientation,
@@ -130,7 +144,7 @@ def registered_by(
 ) -> RegisteredPair:
     """Register two scans as `registered` does, with options and a spacing [m] that were checked.
 
-    Raise `InputError` if the fit is ambiguous, or the pair is unusual.
+    Raise `InputError` as `registered`.
     """
     scans = scans_by_side(upper, lower, options.orientation)
     prepared = prepared_scans(scans, options)
@@ -151,11 +165,11 @@ def registered_by(
     scale, scale_remarks = _clear_scale(pair)
     contradictions, unlike_rock = plausibility.unit_doubts(_by_side(pair), pair.spacing)
     if not options.unusual_values:
-        _check_usual_slopes(pair, contradictions, unlike_rock)
+        _check_possible_slopes(pair, contradictions, unlike_rock)
         if options.shift != "scanned":
             check_found(fit)
         plausibility.check_pair(grid.overlap.gap, pair.correlation, position.in_frame)
-    report = [
+    remarks = [
         *prepared.remarks,
         *sampled.remarks,
         *fit.remarks,
@@ -167,7 +181,7 @@ def registered_by(
         *scale_remarks,
         *map(caution, contradictions + unlike_rock),
     ]
-    return pair._replace(scale=scale, report=report)
+    return pair._replace(scale=scale, remarks=remarks)
 
 
 def _overlap_at(
@@ -236,7 +250,7 @@ def _grid_of_joint(overlap: Overlap, spacing: float, step: int) -> _GridOfJoint:
 def _registered_pair(
     grid: _GridOfJoint, fit: BestFit, position: Position, prepared: PreparedScans
 ) -> RegisteredPair:
-    """Make the registered pair, seated parallel, still without scale and report."""
+    """Make the registered pair, seated parallel, still without scale and remarks."""
     overlap = grid.overlap
     upper, lower = overlap.parallel_walls
     together = upper + lower
@@ -264,7 +278,7 @@ def _registered_pair(
         overlap=max(overlap.shares),
         holes=overlap.holes,
         first=overlap.first,
-        report=[],
+        remarks=[],
         fine=grid.fine,
         waves=prepared.shortest_waves,
         rounding=prepared.rounding_of_sum,
@@ -308,7 +322,7 @@ def _by_side(pair: RegisteredPair) -> dict[str, np.ndarray]:
     return {"upper": pair.upper, "lower": pair.lower}
 
 
-def _check_usual_slopes(
+def _check_possible_slopes(
     pair: RegisteredPair, contradictions: list[str], unlike_rock: list[str]
 ) -> None:
     """Refuse walls whose slopes no rough wall has, or whose heights contradict each other."""

@@ -1,4 +1,4 @@
-"""A registered pair of walls in a few lines; its ``report`` has all that is known of it."""
+"""A registered pair of walls in a few lines; its ``remarks`` have all that is known of it."""
 
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.number_texts import grid_text
@@ -9,7 +9,7 @@ from jointclosure.walls.registered_pair import RegisteredPair
 def summary_of(pair: RegisteredPair) -> list[str]:
     """Describe orientation, position and mating of a pair, with its warnings."""
     lines = [_orientation(pair), _position(pair), _mating(pair)]
-    return [line for line in lines if line] + cautions(pair.report)
+    return [line for line in lines if line] + cautions(pair.remarks)
 
 
 def _orientation(pair: RegisteredPair) -> str:

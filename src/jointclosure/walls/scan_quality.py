@@ -309,8 +309,12 @@ def resolution_remarks(
 ) -> list[Caution]:
     """Return cautions about short waves that a wall (y, x) [m] lacks, and its rounding and noise.
 
-    Rounding and noise are stated with the rms slope and the JRC of the wall, which they raise.
-    ``scan`` is the scan before it was levelled, ``level`` that after it, as for `shortest_wave`.
+    Of rounding and noise of heights only those are stated that raise the squared slope of the wall
+    by about 4 % (2 `MOVED`) or more, with the rms slope and the JRC that result. The noise is that
+    of the scattered points of a `Cloud` (`noise_of_points`); that of grids is `noise_of_grid`, and
+    is not stated here. Rounding of x and y is stated for a `Cloud`, if it is more than a tenth of
+    the point distance. ``scan`` is the scan before it was levelled, ``level`` that after it, as for
+    `shortest_wave`.
     """
     remarks = []
     if (wave := shortest_wave(scan, level)) > 2.0 * spacing:

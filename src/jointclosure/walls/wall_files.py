@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.length_units import size_of
 from jointclosure.inputs.remarks import caution
-from jointclosure.inputs.units import size_of
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import FLAT, Cloud, Scan
 from jointclosure.walls.registered_pair import RegisteredPair
@@ -53,7 +53,7 @@ def registered_walls(
         )
         with naming(" and ".join(names)), _naming_units(scans.get("units")):
             pair = registered_by(checked, above, below, spacing)
-        pair.report.extend(order_cautions(upper, lower))
+        pair.remarks.extend(order_cautions(upper, lower))
     check_cells(pair.upper.shape, pair.spacing, spacing is not None)
     return pair
 
