@@ -177,6 +177,7 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
         stated_percent=("stated", lambda stated: 100.0 * stated.median()),
         true_percent=("true", lambda true: 100.0 * true.median()),
         stated_over_true=("over", "median"),
+        largest_true_over_stated=("over", lambda over: float(1.0 / over.min())),
         without_jump=("without_jump", "sum"),
         inside_without_jump=("inside_without_jump", "sum"),
         cost=("cost", "median"),

@@ -15,9 +15,11 @@ from jointclosure.assessment.assess import (
     MOST_BREAKAGE_STEPS,
     Assessment,
     assessed_variants,
+    percent_of,
 )
 from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
+from jointclosure.statistics.two_level import Interval
 from jointclosure.storage.files import read_csv
 from jointclosure.walls.gridding import Scan
 from tests.joints import DOLERITE, SPACING
@@ -72,7 +74,7 @@ def test_a_needed_effect_has_the_results_that_make_it_needed():
 
 def test_the_verdict_on_a_joint_says_what_it_means():
     easy = Assessment(closures(scatter=1e-4), LADDER, "middle", 0.05)
-    words = "is easy (its copies agree, its closure hardly jumps and its contacts can break, which"
+    words = "is easy (net closures of its copies agree, its closure hardly jumps and its contacts"
     assert words in easy.sentences[-1]
 
 
@@ -93,8 +95,10 @@ def concluded(within=0.05, joints=1, budget=None, **changes):
 def test_the_last_line_names_the_cheapest_setting_and_the_effects_that_are_needed(joints):
     said = concluded(joints=joints, effect=0.3)
     assert said.startswith("Conclusion: the cheapest setting ")
-    assert "meets the request of 5 % is middle; its error is up to " in said
-    assert "s of processor time. Effects that must be kept: gouge." in said
+    which = "net and gross" if joints == 1 else "mean"
+    assert f"meets the request of 5 % is middle; its {which} closures differ from " in said
+    assert f"The error of {LADDER[-1]} itself is not known" in said
+    assert "is not known. Effects that must be kept: gouge." in said
     said = concluded(joints=joints, effect=0.0)
     assert said.endswith(" Effects that may be left out: gouge.")
 
@@ -373,3 +377,15 @@ def test_a_stated_tolerance_takes_its_place_among_the_settings(tolerance, names)
     assert ladder == ["the paper's steps", *names]
     assert stated == f"tolerance {tolerance:g}"
     assert variants[stated] == given
+
+
+@pytest.mark.parametrize(
+    ("numbers", "text"),
+    [
+        ((0.043787641576, 0.043787641572, 0.043787641579), "+4.4 (+4.4 to +4.4)"),
+        ((0.043787, 0.0432, 0.0443), "+4.38 (+4.32 to +4.43)"),
+        ((3e-7, 3e-7, 3e-7), "+3.0e-05 (+3.0e-05 to +3.0e-05)"),
+    ],
+)
+def test_differences_of_equal_copies_have_few_digits(numbers, text):
+    assert percent_of(Interval(*numbers)) == text

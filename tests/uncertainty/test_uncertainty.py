@@ -36,6 +36,7 @@ from jointclosure.uncertainty.ranged_results import (
     CLOSURE_NET,
     KNI,
     RANGED_RESULTS,
+    RESIDUAL_NET,
     STIFFNESS,
     VM,
 )
@@ -395,6 +396,24 @@ def test_the_limit_of_gross_closure_is_that_of_the_net_one_in_length():
     ranges = ranges_of(results, sources, positions, further, NUMERICAL_LIMITS)
     assert ranges.loc[(1, CLOSURE), "high"] == pytest.approx(2.4)
     assert ranges.loc[(1, CLOSURE_GROSS), "high"] == pytest.approx(4.4)
+
+
+def test_the_limit_of_residual_closure_is_that_of_net_closure_in_length():
+    """What remains is the net closure less an elastic recovery that is known well."""
+    sources, positions, further, names, close = of_close_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
+    results[RESIDUAL_NET] = 0.8 * results[CLOSURE]
+    ranges = ranges_of(results, sources, positions, further, NUMERICAL_LIMITS)
+    assert ranges.loc[(1, RESIDUAL_NET), "high"] == pytest.approx(1.6 + 0.4)
+
+
+def test_a_closure_of_which_nothing_remains_has_no_limit():
+    sources, positions, further, names, close = of_close_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
+    results[RESIDUAL_NET] = 1e-4 * results[CLOSURE]
+    given = results, sources, positions, further
+    limited, free = (ranges_of(*given, limits) for limits in (NUMERICAL_LIMITS, {}))
+    pd.testing.assert_series_equal(limited.loc[1, RESIDUAL_NET], free.loc[1, RESIDUAL_NET])
 
 
 def test_a_band_of_stiffness_is_a_curve_without_steps():
@@ -957,6 +976,17 @@ def test_a_joint_whose_copies_scatter_beyond_a_fifth_is_called_not_stable():
         lines = budget._numerical_error(CLOSURE_NET)
         assert "limit of the numerical error" in lines[0]
         assert any("is not stable" in line for line in lines) == unstable
+
+
+@pytest.mark.parametrize(("error", "ends"), [(0.2, True), (1e-3, False)])
+def test_a_range_that_ends_at_the_limit_of_the_numerical_error_says_so(error, ends):
+    sources, positions, further, names, close = of_close_departures()
+    results = pd.DataFrame({"cycle": 1, "source": names} | dict.fromkeys(RANGED_RESULTS, close))
+    ranges = ranges_of(results, sources, positions, further, {(1, CLOSURE_NET): error})
+    columns = ["cycle", "quantity", "error", "scatter", "by"]
+    numerical = pd.DataFrame([(1, CLOSURE_NET, error, 0.0, "")], columns=columns)
+    (line,) = Budget(results, ranges, (), numerical=numerical)._numerical_error(CLOSURE_NET)
+    assert ("the range of cycle 1 ends at it" in line) == ends
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])

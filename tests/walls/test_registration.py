@@ -816,3 +816,14 @@ def test_an_ambiguous_fit_says_how_both_fits_differ(other, stated):
     remedy = _remedy(SlopeFit("turned_over", 0.9, 10.0, np.zeros(2)), other)
     assert stated in remedy
     assert "--orientation turned_over --shift mated" in remedy
+
+
+@pytest.mark.parametrize(
+    ("factor", "meant"), [(1e-3, "is 0.0075 m meant?"), (1e6, "is 7500 mm meant")]
+)
+def test_scans_with_an_unusual_side_say_how_long_it_is_and_what_determines_it(factor, meant):
+    heights = factor * 1e-4 * np.random.default_rng(1).standard_normal((2, 16, 16))
+    scans = [Scan(wall, (factor * 0.5e-3,) * 2) for wall in heights]
+    with pytest.raises(jc.InputError, match=r"a side of the scan is .* mm long.*--units") as found:
+        registered(*scans, orientation="common_frame")
+    assert meant in str(found.value)

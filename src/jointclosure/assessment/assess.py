@@ -81,8 +81,8 @@ _MEANINGS = {
     "not stable": "no closure of it can be stated",
     "hard": "the order of breakage changes its closure, its closure jumps, or contacts that cannot "
     "break carry it",
-    "easy": "its copies agree, its closure hardly jumps and its contacts can break, which does not "
-    "say that the error of its numerics is small",
+    "easy": "net closures of its copies agree, its closure hardly jumps and its contacts can "
+    "break, which does not say that the error of its numerics is small",
 }
 """Verdicts on a joint, the worst first, in words."""
 NEEDED_AS_FAILS = "needed: fails"
@@ -273,16 +273,21 @@ class Assessment:
             return f"no setting meets {asked}"
         name = min(allowed, key=lambda n: seconds[n] if budget is None else reached[n])
         time = f"{seconds[name]:.2g} s of processor time"
-        error = f"its error is up to {percent(reached[name])}"
-        if name == self.ladder[-1]:
+        best = "cheapest" if budget is None else "most accurate"
+        finest = self.ladder[-1]
+        if name == finest:
             error = f"its error is not known, and its copies scatter by {percent(reached[name])}"
             if budget is None:
                 return (
                     f"no setting is shown to meet {asked}. Errors are taken from the finest one, "
                     f"{name}; {error}, and it takes {time}"
                 )
-        best = "cheapest" if budget is None else "most accurate"
-        return f"the {best} setting that meets {asked} is {name}; {error}, and it takes {time}"
+            return f"the {best} setting that meets {asked} is {name}; {error}, and it takes {time}"
+        return (
+            f"the {best} setting that meets {asked} is {name}; its net and gross closures differ "
+            f"from those of {finest} by up to {percent(reached[name])}, and it takes {time}. The "
+            f"error of {finest} itself is not known"
+        )
 
     def _best_for_mean(self, asked: str) -> str:
         """Name the setting by which a mean meets what is asked, with its error and time."""
@@ -290,10 +295,14 @@ class Assessment:
             return f"no setting meets {asked}"
         name, plan = best
         kind = "cheapest" if self.budget is None else "most accurate"
+        finest = self.ladder[-1]
+        error = f"its mean closures differ from those of {finest} by up to"
+        if name == finest:
+            error = "the half-width of its 95 % intervals is up to"
         return (
-            f"the {kind} setting whose mean meets {asked} is {name}; its error is up to "
+            f"the {kind} setting whose mean meets {asked} is {name}; {error} "
             f"{percent(plan.half_width)} with {plan.joints} joints, which take "
-            f"{plan.seconds:.3g} s of processor time"
+            f"{plan.seconds:.3g} s of processor time. The error of {finest} itself is not known"
         )
 
     @property
@@ -824,12 +833,19 @@ def nearest_hard_case(features: Mapping[str, float]) -> tuple[str, float]:
     return cases[comparable].iloc[distances.argmin()]["name"], float(distances.min())
 
 
+_LEAST_WIDTH = 0.01
+"""Width of an interval [%] below which a difference has no more than two decimals."""
+
+
 def percent_of(row: Any) -> str:
     """Format an interval of relative differences in percent, without the percent sign."""
     if math.isnan(row.value):
         return "no value"
     if not math.isfinite(row.low):
         return f"{float(f'{100 * row.value:.2g}'):+g}"
-    ends = with_equal_decimals([100 * number for number in (row.value, row.low, row.high)])
+    percents = [100 * number for number in (row.value, row.low, row.high)]
+    if percents[2] - percents[1] < _LEAST_WIDTH < abs(percents[0]):  # copies are equal
+        percents = [round(number, 2) for number in percents]
+    ends = with_equal_decimals(percents)
     value, low, high = (end if end.startswith("-") or not float(end) else f"+{end}" for end in ends)
     return f"{value} ({low} to {high})"

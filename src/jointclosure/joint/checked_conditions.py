@@ -127,11 +127,13 @@ def check_named_stresses(stresses: Sequence[float], checked: CheckedConditions) 
     least = f"from the seating stress, {1e-6 * seating:g} MPa," if seating else "above 0 MPa, up"
     for stress in stresses:
         check_number("at", stress)
-        if not (stress > 0.0 and seating <= stress <= largest):
-            raise InputError(
-                f"at (--at): {1e-6 * stress:g} MPa: must be {least} to the maximum normal stress, "
-                f"{1e-6 * largest:g} MPa"
-            )
+    outside = [of for of in stresses if not (of > 0.0 and seating <= of <= largest)]
+    if outside:
+        named = ", ".join(f"{1e-6 * stress:g}" for stress in outside)
+        raise InputError(
+            f"at (--at): {named} MPa: must be {least} to the maximum normal stress, "
+            f"{1e-6 * largest:g} MPa"
+        )
 
 
 def model_attributes(

@@ -26,6 +26,7 @@ from jointclosure.joint.result_tables import (
 from jointclosure.joint.status import LOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 from jointclosure.uncertainty.budget import Budget
+from jointclosure.uncertainty.numerical_error import limits_of_error
 from jointclosure.uncertainty.ranged_results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.ranges import NUMBERS, WIDER
 from jointclosure.uncertainty.sources import ALL, TITLES
@@ -84,6 +85,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
     figure, panels = subplots(
         1, len(cycles), figsize=(6.4 * len(cycles), 4.4), title=title, squeeze=False
     )
+    limits = limits_of_error(budget.numerical)
     for axes, cycle in zip(panels[0], cycles, strict=True):
         row = ranges.loc[cycle]
         results = budget.results[budget.results.cycle == cycle]
@@ -96,6 +98,12 @@ def range_figure(budget: Budget, title: str) -> Figure:
             label = None if place else "one source alone at an end of its range, or drawn at random"
             axes.plot(values, [place] * values.size, "o", color="C0", label=label)
         drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
+        limit = limits.get((cycle, CLOSURE_NET))
+        if limit is not None and "breakage" in shares.index:
+            ends = [row.best / (1.0 + limit), row.best * (1.0 + limit)]
+            place = shares.index.get_loc("breakage")
+            label = "limit of the numerical error, which the range contains"
+            axes.plot(ends, [place] * 2, "|-", color="C0", lw=1, ms=8, label=label)
         label = "range of 9 in 10"
         axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3, label=label)
         if budget.choices:

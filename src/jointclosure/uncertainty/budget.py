@@ -1,5 +1,6 @@
 """Uncertainty budget of a joint: its variants are simulated, and give ranges of its results."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
@@ -33,6 +34,7 @@ from jointclosure.uncertainty.ranged_results import (
     RANGED_RESULTS,
     RESIDUAL_NET,
     STIFFNESS,
+    UNRESOLVED,
     VM,
     results_of,
     table_of,
@@ -81,8 +83,6 @@ _WHY_UNDETERMINED = {
     VM: "whose loading hardly bends (Vm is more than "
     f"{BENDS:g} times the largest closure, or less than its standard error)",
 }
-UNRESOLVED = 0.005
-"""Residual closure over the net closure of a cycle, up to which it is the error of the steps."""
 
 
 class Budget(NamedTuple):
@@ -241,9 +241,15 @@ class Budget(NamedTuple):
         if known.empty:
             return []
         errors = (f"{percent(row.error)} on cycle {row.cycle}" for row in known.itertuples())
+        at_limit = [
+            str(row.cycle)
+            for row in known.itertuples()
+            if self._ends_at_limit(row.cycle, quantity, row.error)
+        ]
+        ends = f"; the range of cycle {', '.join(at_limit)} ends at it" if at_limit else ""
         lines = [
             f"{RANGED_RESULTS[quantity]}: limit of the numerical error {', '.join(errors)} (about "
-            "nine in ten joints keep such a limit)"
+            f"nine in ten joints keep such a limit){ends}"
         ]
         unstable = known[known.scatter > NOT_STABLE]
         if len(unstable):
@@ -256,6 +262,14 @@ class Budget(NamedTuple):
                 f"{', '.join(scatter)} (stable: up to {100.0 * NOT_STABLE:.0f} %)"
             )
         return lines
+
+    def _ends_at_limit(self, cycle: int, quantity: str, error: float) -> bool:
+        """Return whether a range ends at the limit of the numerical error of its result [1]."""
+        if (cycle, quantity) not in self.ranges.index:
+            return False
+        row = self.ranges.loc[(cycle, quantity)]
+        ends = (row.low, row.best / (1.0 + error)), (row.high, row.best * (1.0 + error))
+        return any(math.isclose(end, limit, rel_tol=1e-9) for end, limit in ends)
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
         """Describe a joint whose best value is at the edge of those of random inputs."""

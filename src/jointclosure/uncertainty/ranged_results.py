@@ -19,6 +19,8 @@ KNI = "kni_net_MPa_per_mm"
 VM = "vm_net_mm"
 FITTED = KNI, VM  # constants of the hyperbola of loading
 APERTURE = "mean_aperture_at_max_mm"
+UNRESOLVED = 0.005
+"""Residual closure over the net closure of a cycle, up to which it is the error of the steps."""
 RANGED_RESULTS = {
     column: HEADINGS[column]
     for column in (

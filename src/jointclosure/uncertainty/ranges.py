@@ -38,7 +38,9 @@ from jointclosure.uncertainty.ranged_results import (
     CLOSURE_NET,
     CONTACT,
     RANGED_RESULTS,
+    RESIDUAL_NET,
     STIFFNESS,
+    UNRESOLVED,
 )
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, ORDER, SHARED, Source
 
@@ -84,12 +86,7 @@ def ranges_of(
                 touching = of_quantity.clip(upper=_ALMOST_ALL)
                 of_quantity = touching / (1.0 - touching)
             values = of_quantity.groupby(of_cycle.source).apply(np.array).to_dict()
-            # the gross closure has that of the net one besides an indentation that is known well
-            limited = CLOSURE_NET if quantity == CLOSURE_GROSS else quantity
-            error = limits.get((int(cycle), limited), 0.0)
-            if limited != quantity:
-                best = of_cycle[of_cycle.source == ""].iloc[0]
-                error *= min(best[limited] / best[quantity], 1.0)
+            error = _limit_of(quantity, of_cycle, limits, int(cycle))
             rows[cycle, quantity] = _range_of(
                 values, sources, positions, further_positions, quantity, error=error
             )
@@ -102,6 +99,26 @@ def ranges_of(
             net[end], gross[end] = sorted((net[end], gross[end]))
     index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
     return pd.DataFrame(list(rows.values()), index=index)
+
+
+def _limit_of(
+    quantity: str,
+    of_cycle: pd.DataFrame,
+    limits: Mapping[tuple[int, str], float],
+    cycle: int,
+) -> float:
+    """Return the numerical error [1] that the range of a result contains; 0 if none is known.
+
+    The gross closure has the error [m] of the net one, besides an indentation that is known well.
+    So has the residual closure, besides an elastic recovery that is known well; where nothing
+    remains, there is no error.
+    """
+    if quantity not in (CLOSURE_GROSS, RESIDUAL_NET):
+        return limits.get((cycle, quantity), 0.0)
+    error = limits.get((cycle, CLOSURE_NET), 0.0)
+    best = of_cycle[of_cycle.source == ""].iloc[0]
+    net, result = float(best[CLOSURE_NET]), float(best[quantity])
+    return error * net / result if result > UNRESOLVED * net else 0.0
 
 
 def widening_of(quantity: str) -> float:

@@ -82,7 +82,8 @@ def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]
     if tilt > STEEPEST:
         raise InputError(
             f"the mean plane is inclined by {tilt:.1f} degrees: at most {STEEPEST:g}; turn the "
-            "scan so that its heights lie along z"
+            "scan so that its heights lie along z, unless heights and the spacing of the points "
+            "are in different units"
         )
     points = points_of(scan, missing=isinstance(scan, Scan))
     middle = 0.5 * (points[:, :2].min(axis=0) + points[:, :2].max(axis=0))

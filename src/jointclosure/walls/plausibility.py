@@ -5,7 +5,8 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution
-from jointclosure.parameters import AS_IT_IS, check_usual
+from jointclosure.parameters import AS_IT_IS, USUAL
+from jointclosure.parameters.units import unit_meant
 from jointclosure.walls.gridding import PAPER_SPACING, Cloud, Scan, node_counts, points_of
 from jointclosure.walls.planes import detrended_points
 from jointclosure.walls.wall_roughness import peak_cells
@@ -36,7 +37,20 @@ def check_scans(upper: Scan | Cloud, lower: Scan | Cloud) -> None:
         raise InputError(f"upper and lower: the same scan was given twice; {AS_IT_IS}")
     for cloud in clouds:
         for side in np.ptp(cloud[:, :2], axis=0).tolist() if len(cloud) else ():
-            check_usual((), side_of_scan=side)
+            _check_side(side)
+
+
+def _check_side(side: float) -> None:
+    """Raise `InputError` if the length [m] of a side of a scan is not usual."""
+    low, high, unit = USUAL["side_of_scan"]
+    if not low <= side <= high:
+        meant = unit_meant(float(f"{side:.4g}"), low, high, unit)
+        raise InputError(
+            f"a side of the scan is {1e3 * side:.4g} mm long: not usual of a scan "
+            f"({1e3 * low:g} mm to {high:g} m); {meant} "
+            "The units of the file and the spacing of its points (units and scan_spacing, --units "
+            f"and --scan-spacing) determine it; {AS_IT_IS}"
+        )
 
 
 def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
