@@ -4,7 +4,6 @@ import pandas as pd
 import pytest
 
 from tests.processes import python
-from tests.studied import ROOT
 
 
 @pytest.mark.slow
@@ -31,10 +30,3 @@ def test_requests_of_accuracy_are_judged_by_surfaces_that_they_did_not_see(tmp_p
     met = requests[requests.answered]
     assert (met.half_width_percent <= met.within_percent).all()
     assert (requests.truth != requests.value).all()
-
-
-@pytest.mark.slow
-def test_ranges_of_readmes_joint_are_those_that_the_command_prints(tmp_path):
-    python("benchmarks/readme_joint.py", "--runs", "1", "--output", tmp_path)
-    stored = pd.read_csv(ROOT / "benchmarks/results/readme_joint/ranges.csv")
-    pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "ranges.csv"), stored, rtol=1e-6)
