@@ -246,7 +246,11 @@ class Budget(NamedTuple):
             for row in known.itertuples()
             if self._ends_at_limit(row.cycle, quantity, row.error)
         ]
-        ends = f"; the range of cycle {', '.join(at_limit)} ends at it" if at_limit else ""
+        ends = ""
+        if len(at_limit) == 1:
+            ends = f"; the range of cycle {at_limit[0]} ends at it"
+        elif at_limit:
+            ends = f"; the ranges of cycles {', '.join(at_limit)} end at it"
         lines = [
             f"{RANGED_RESULTS[quantity]}: limit of the numerical error {', '.join(errors)} (about "
             f"nine in ten joints keep such a limit){ends}"
