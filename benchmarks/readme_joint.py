@@ -20,11 +20,11 @@ import pandas as pd
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.ranges import NUMBERS
 
 WALLS = ("config/walls/joint_upper.npz", "config/walls/joint_lower.npz")
 OPTIONS = ("--rock", "granite", "--stress", "10")
 ROOT = Path(__file__).parents[1]
-ENDS = ["best", "low", "high", "low_with_choices", "high_with_choices"]
 
 
 def closed(folder: Path) -> tuple[dict[str, float], list[dict]]:
@@ -40,11 +40,6 @@ def closed(folder: Path) -> tuple[dict[str, float], list[dict]]:
     return {"processor_s": processor, "clock_s": clock}, ranges
 
 
-def ranges_table(ranges: list[dict]) -> pd.DataFrame:
-    """Return results by cycle and quantity: the joint's, and the ends of both ranges."""
-    return pd.DataFrame(ranges)[["cycle", "quantity", *ENDS]]
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=3)
@@ -58,7 +53,8 @@ def main() -> None:
         times.append(seconds)
         print(f"{seconds['processor_s']:.1f} s of processor time, {seconds['clock_s']:.1f} s")
     write_csv(pd.DataFrame(times), options.output / "times.csv")
-    write_csv(ranges_table(ranges), options.output / "ranges.csv")
+    table = pd.DataFrame(ranges)[["cycle", "quantity", *NUMBERS]]  # the results, and both ranges
+    write_csv(table, options.output / "ranges.csv")
     write_origin(options.output, f"{options.runs} runs")
 
 

@@ -47,6 +47,10 @@ def test_a_change_counts_in_both_directions():
     assert stated(log_change(1.0, 1.1)) == pytest.approx(stated(log_change(1.0, 1.0 / 1.1)))
 
 
+def test_the_unit_of_a_result_does_not_matter():
+    assert stated(log_change(1e-6, 1.1e-6)) == pytest.approx(stated(log_change(1.0, 1.1)))
+
+
 @pytest.mark.parametrize("other", [math.nan, 0.0, -1.0])
 def test_nothing_is_stated_where_other_steps_give_no_result(other):
     assert math.isnan(stated(log_change(1.0, other)))
