@@ -31,6 +31,7 @@ from effects_auto import SPACING, scene
 
 import jointclosure as jc
 from jointclosure.ensembles.simulation import read_joint, simulated_joint
+from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.joint.status import FAILURE
 from jointclosure.statistics.randomness import seed_of
@@ -67,11 +68,19 @@ KEPT = (0.90, 0.92, 0.93, 0.94)
 """Shares of the joints of the comparison that keep the limits that are printed."""
 
 
-def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
-    """Simulate a joint by all settings; return rows by setting and cycle, none if one fails."""
+def joint_of(
+    seed: int, number: int, cells: tuple[int, int]
+) -> tuple[CheckedConditions, tuple[np.ndarray, np.ndarray]]:
+    """Draw the conditions of a joint, and its walls (y, x) [m]; ``cells`` are bounds of its size."""
     conditions, walls = scene(seed, number, cells)
     conditions = conditions._replace(choices=jc.Choices(strength_bound="base"))
     pair = jc.wall_pair(spacing=SPACING, seed=seed_of(seed, "numerical error", number), **walls)
+    return conditions, pair
+
+
+def closed(seed: int, number: int, cells: tuple[int, int]) -> list[dict]:
+    """Simulate a joint by all settings; return rows by setting and cycle, none if one fails."""
+    conditions, pair = joint_of(seed, number, cells)
     rows = []
     for setting, numerics in SETTINGS.items():
         try:

@@ -23,6 +23,7 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
+from jointclosure.storage.provenance import write_origin
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 
@@ -153,6 +154,8 @@ def main(arguments) -> None:
     for name in arguments.parts:
         part = PARTS[name]
         yardstick.show(f"{name}: {part.__doc__}", part(arguments), arguments.output, name)
+    if arguments.output:
+        write_origin(arguments.output, f"parts {' '.join(arguments.parts)}")
 
 
 if __name__ == "__main__":

@@ -79,18 +79,18 @@ _MEAN_OF_DIRECTIONS = (
 _NO_RANGE_OF_DIRECTIONS = (
     "; those along x and y alone have no range, because it is computed for their mean only"
 )
-_FLOW = (
-    *("hydraulic_aperture_mm", "largest_hydraulic_mm"),
-    *("transmissivity_m2_per_s", "largest_transmissivity_m2_per_s"),
-)
-"""Curves of flow whose value at the maximum is one of the first results."""
 _WIDER_SHOWN = (CLOSURE_NET, STIFFNESS, APERTURE, CONTACT)
 """Results whose range with other choices of the model is on the screen; all are in joint.json."""
+_CLOSURE = "closure_net_since_seating_mm"
+"""Curve that is known at every stress that a loading reached."""
 _NAMED = (
-    *("closure_net_since_seating_mm", "normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"),
-    *_FLOW,
+    (_CLOSURE, "normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"),
+    ("hydraulic_aperture_mm", "largest_hydraulic_mm"),
+    ("transmissivity_m2_per_s", "largest_transmissivity_m2_per_s"),
 )
-"""Curves whose value on loading is shown at the stresses that a user names."""
+"""Curves whose value on loading is shown at the stresses that a user names, by table."""
+_FLOW = tuple(name for table in _NAMED[1:] for name in table)
+"""Curves of flow whose value at the maximum is one of the first results."""
 
 
 def summary(
@@ -142,10 +142,10 @@ def summary(
         lines += ["", _as_heading(budget.wider_title()), shown.to_string()]
     named = named_table(curves, at)
     if len(named):
-        lines += ["", "On loading, at the stresses that are named", named.to_string(index=False)]
+        lines += ["", "On loading, at the stresses that are named", *_in_parts(named)]
     wider_named = named_table(curves, at, with_choices=True)
     if len(wider_named) and budget is not None:
-        lines += ["", f"The same, {budget.wider_title()}", wider_named.to_string(index=False)]
+        lines += ["", f"The same, {budget.wider_title()}", *_in_parts(wider_named)]
     if budget is None:
         for heading, about in remarks.items():
             lines += _section(heading, about)
@@ -223,19 +223,30 @@ def named_table(
     known of a single run.
     """
     known = (curves.branch == LOADING) & curves.normal_stress_MPa.isin(np.asarray(at) / 1e6)
-    rows = curves[known].dropna(subset=columns_of(curves, _NAMED[0]))  # that the cycle reached
-    if rows.empty or (with_choices and not wider_columns_of(curves, _NAMED[0])):
+    rows = curves[known].dropna(subset=columns_of(curves, _CLOSURE))  # that the cycle reached
+    if rows.empty or (with_choices and not wider_columns_of(curves, _CLOSURE)):
         return pd.DataFrame()
     shown = rows[["cycle", "normal_stress_MPa"]].rename(
         columns={"normal_stress_MPa": "normal stress (MPa)"}
     )
     figures = 2 if has_bands(curves) else 4
-    for name in _NAMED:
+    for name in (name for names in _NAMED for name in names):
         if name in curves and with_choices:
             shown[CURVES[name][0]] = _wider_bands(rows, name)
         elif name in curves:
             shown[CURVES[name][0]] = with_bands(rows, name, figures)
     return shown
+
+
+def _in_parts(named: pd.DataFrame) -> list[str]:
+    """Return the table of `named_table` as text, in parts that are no wider than a screen."""
+    keys = list(named.columns[:2])
+    parts = []
+    for names in _NAMED:
+        titles = [CURVES[name][0] for name in names if CURVES[name][0] in named]
+        if titles:
+            parts.append(named[[*keys, *titles]].to_string(index=False))
+    return parts
 
 
 def _of_hyperbola(closed: xr.Dataset) -> dict[str, str]:
@@ -262,7 +273,7 @@ def result_table(
     for title, values in law_values(closed, laws).items():
         table[title] = [significant(values[n], 2) if n in values else "" for n in RANGED_RESULTS]
     table = table.rename(index=_of_hyperbola(closed))
-    reached = curves[curves.branch == LOADING].dropna(subset=columns_of(curves, _NAMED[0]))
+    reached = curves[curves.branch == LOADING].dropna(subset=columns_of(curves, _CLOSURE))
     highest = reached.groupby("cycle").tail(1).set_index("cycle").reindex(curves.cycle.unique())
     for name in _FLOW if history_of(closed).has_flow else ():
         title = CURVES[name][0].replace(" (", ", at the maximum stress (")

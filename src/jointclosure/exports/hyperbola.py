@@ -8,6 +8,7 @@ import xarray as xr
 
 from jointclosure.exports.loading import CHOICES, ENDS, End, known_loadings, loading_by_ending
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of
 from jointclosure.joint.interpolation import cubic_over
 from jointclosure.joint.laws import BENDS, LAWS, fit_law, law_curves
@@ -16,6 +17,9 @@ from jointclosure.statistics.number_texts import percent
 
 _PROGRAMS = "PorePy, UDEC, 3DEC"
 """Programs that receive constants of fitted hyperbolas."""
+MISFIT = 0.5
+"""Relative difference of the stiffness of a hyperbola from that of the joint, beyond which a
+warning says so. A program that receives the hyperbola then has another joint."""
 
 
 class Hyperbola(NamedTuple):
@@ -120,11 +124,16 @@ def fitted_loading(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> Fitte
         return FittedLoading({}, [], str(error))
     loadings = known_loadings(joint, curves)
     seating = history_of(joint).seating_stress
-    misfit = _tangent_text(hyperbolas[""], loadings[loadings.cycle == cycle], seating)
+    misfit, largest = _tangent_misfit(hyperbolas[""], loadings[loadings.cycle == cycle], seating)
     remark = f"{_PROGRAMS}, of cycle {cycle}: the stiffness of the fitted hyperbola {misfit}"
     remark += f"; its closures are off by up to {percent(misses[''])} of the largest"
     if of_choices := [miss for ending, miss in misses.items() if ending.endswith(CHOICES)]:
         remark += f", with other choices of the model by up to {percent(max(of_choices))}"
+    if largest > MISFIT:
+        remark = caution(
+            f"{remark}; joint_stiffness.dat has the stiffness of the joint itself, for programs "
+            "that read tables"
+        )
     remarks.append(remark)
     return FittedLoading(hyperbolas, remarks, misfit=misfit)
 
@@ -142,18 +151,22 @@ def _difference_at(
     return cubic_over(known, more - more[0])(np.clip(stress, known[0], known[-1]))
 
 
-def _tangent_text(law: Hyperbola, loading: pd.DataFrame, seating: float) -> str:
-    """Say how far the stiffness of a hyperbola is from that of its loading, above seating [Pa]."""
+def _tangent_misfit(law: Hyperbola, loading: pd.DataFrame, seating: float) -> tuple[str, float]:
+    """Say how far the stiffness of a hyperbola is from that of its loading, above seating [Pa].
+
+    The second value is the largest relative difference [1], 0 where the loading is not known.
+    """
     rows = loading[1e6 * loading.normal_stress_MPa > seating]
     rows = rows.dropna(subset="normal_stiffness_net_MPa_per_mm")
     if rows.empty:
-        return "is not compared with that of the loading, which is not known"
+        return "is not compared with that of the loading, which is not known", 0.0
     stress = rows.normal_stress_MPa.to_numpy()
     above = 1e6 * stress - seating
     tangent = law.stiffness * (1.0 + above / (law.stiffness * law.largest_closure)) ** 2
     apart = 1e-9 * tangent / rows.normal_stiffness_net_MPa_per_mm.to_numpy() - 1.0
-    return (
+    text = (
         "differs from that of the joint "
         f"(answer.csv) by {percent(apart.min())} to {percent(apart.max())} at {stress.min():.3g} "
         f"to {stress.max():.3g} MPa"
     )
+    return text, float(np.abs(apart).max())

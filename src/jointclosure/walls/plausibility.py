@@ -107,14 +107,23 @@ def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str]
                 f"are mated: {_unit_question(0.8 * gain, 1.25 * gain)}"
             )
     low, high = np.array(_ROCK) * (spacing / PAPER_SPACING) ** (_USUAL_HURST - 1.0)
-    for name, slope in slopes.items():
-        if not low <= slope <= high:
-            factors = sorted((low / slope, high / slope, slope / low, slope / high))[2:]
-            doubts.append(
-                f"the {name} wall has an rms slope of {slope:.3g}, rock joints have {low:.2g} to "
-                f"{high:.2g} at this spacing: {_unit_question(*factors)}"
-            )
+    unlike = {name: slope for name, slope in slopes.items() if not low <= slope <= high}
+    by_question: dict[str, list[str]] = {}
+    for name, slope in unlike.items():
+        factors = sorted((low / slope, high / slope, slope / low, slope / high))[2:]
+        by_question.setdefault(_unit_question(*factors), []).append(name)
+    for question, names in by_question.items():
+        of = " and that ".join(f"{_of_wall(name)} is {unlike[name]:.3g}" for name in names)
+        doubts.append(
+            f"the rms slope {of}, rock joints have {low:.2g} to {high:.2g} at this spacing: "
+            f"{question}"
+        )
     return contradictions, doubts
+
+
+def _of_wall(name: str) -> str:
+    """Return words for a wall by its name: "upper", "lower", or "wall" if there is one only."""
+    return "of the wall" if name == "wall" else f"of the {name} wall"
 
 
 def _height_ratio(one: np.ndarray, other: np.ndarray) -> float:
