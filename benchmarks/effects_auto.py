@@ -28,7 +28,7 @@ import pandas as pd
 from scipy.optimize import minimize
 
 import jointclosure as jc
-from jointclosure.assessment.assess import ASSESSED, JUDGED
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
 from jointclosure.assessment.effect_selection import (
     LONGER,
     MOST_PAIRS,

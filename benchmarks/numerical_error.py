@@ -22,7 +22,9 @@ os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -71,7 +73,7 @@ KEPT = (0.90, 0.92, 0.93, 0.94)
 def joint_of(
     seed: int, number: int, cells: tuple[int, int]
 ) -> tuple[CheckedConditions, tuple[np.ndarray, np.ndarray]]:
-    """Draw the conditions of a joint, and its walls (y, x) [m]; ``cells`` are bounds of its size."""
+    """Draw the conditions of a joint and its walls (y, x) [m]; ``cells`` are bounds of its size."""
     conditions, walls = scene(seed, number, cells)
     conditions = conditions._replace(choices=jc.Choices(strength_bound="base"))
     pair = jc.wall_pair(spacing=SPACING, seed=seed_of(seed, "numerical error", number), **walls)
@@ -135,33 +137,53 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def fitted_weights(errors: pd.DataFrame) -> pd.DataFrame:
+def fitted_weights(
+    errors: pd.DataFrame, terms: Sequence[str], weights: Mapping[tuple[str, bool], NamedTuple]
+) -> pd.DataFrame:
     """Fit the weights of each result, on the first and on later cycles, to true errors.
 
-    Each row has the fitted weights or those of the package, and for each of `KEPT` the ``limit``
-    over the expected error that this share of the joints keeps, with the median ``ratio`` of limit
-    and true error.
+    Parameters
+    ----------
+    errors : DataFrame
+        One row for each joint, result and cycle: the columns ``result``, ``quantity``, ``cycle``,
+        ``apart``, the logarithm of the true result over that of the joint [1], and the ``terms``.
+    terms : sequence of str
+        Names of what is known of a joint [1], from which its error is expected, besides a least
+        error.
+    weights : mapping
+        Those of the package, which begin with the least error and have the order of ``terms``.
+
+    Returns
+    -------
+    DataFrame
+        Each row has the fitted weights or those of the package, and for each of `KEPT` the
+        ``limit`` over the expected error that this share of the joints keeps, with the median
+        ``ratio`` of limit and true error.
     """
     rows = []
     for (quantity, first), part in errors.groupby(["result", errors.cycle == 1]):
+        part = part.dropna(subset=["apart", *terms])
         apart = part.apart.abs().to_numpy()
-        terms = np.stack([np.ones(len(part)), part.jump, part.change.abs(), part.curve])
+        known = np.stack([np.ones(len(part)), *(part[name].abs() for name in terms)])
 
         def unlikely(
-            logarithms: np.ndarray, terms: np.ndarray = terms, apart: np.ndarray = apart
+            logarithms: np.ndarray, known: np.ndarray = known, apart: np.ndarray = apart
         ) -> float:
             """Return the negative logarithm of the likelihood of the true errors, by joint."""
-            expected = np.linalg.norm(np.exp(logarithms)[:, None] * terms, axis=0)
+            expected = np.linalg.norm(np.exp(logarithms)[:, None] * known, axis=0)
             tails = np.log1p((apart / expected) ** 2 / FREEDOM)
             return float(np.mean(np.log(expected) + 0.5 * (FREEDOM + 1.0) * tails))
 
-        bounds = [(np.log(LEAST), 0.0), *[(np.log(0.01), np.log(5.0))] * 3]
-        start = np.log([0.005, 0.3, 0.5, 0.3])
+        bounds = [(np.log(LEAST), 0.0), *[(np.log(0.01), np.log(5.0))] * len(terms)]
+        start = np.log([0.005, *[0.4] * len(terms)])
         found = np.exp(scipy.optimize.minimize(unlikely, start, bounds=bounds).x)
-        for of, weights in (("fit", found), ("package", np.array(WEIGHTS[quantity, first][:4]))):
-            expected = np.linalg.norm(weights[:, None] * terms, axis=0)
+        candidates = {"fit": found}
+        if (quantity, first) in weights:
+            candidates["package"] = np.array(weights[quantity, first][: len(found)])
+        for of, values in candidates.items():
+            expected = np.linalg.norm(values[:, None] * known, axis=0)
             row = {"quantity": quantity, "first": first, "weights": of, "joints": len(part)}
-            row |= dict(zip(("least", "jump", "change", "curve"), weights, strict=True))
+            row |= dict(zip(("least", *terms), values, strict=True))
             for share in KEPT:
                 limit = float(np.quantile(apart / expected, share))
                 ratio = np.median(np.expm1(limit * expected) / np.expm1(apart))
@@ -208,7 +230,7 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.compare:
         errors = [compared(read_csv(folder / "joints.csv")) for folder in asked.compare]
-        table = fitted_weights(pd.concat(errors))
+        table = fitted_weights(pd.concat(errors), ("jump", "change", "curve"), WEIGHTS)
         print(table.to_string(index=False, float_format="{:.3g}".format))
         return
     asked.output.mkdir(parents=True, exist_ok=True)

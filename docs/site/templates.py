@@ -34,7 +34,7 @@ OLDER_SOLVER = (
     "global_sensitivity", "global_sensitivity_full", "growth", "growth_once", "jrc_range",
     "large_pool", "later_loadings", "measured_fit",
     "numerics", "peers", "price_before", "readings_average", "registration", "size",
-    "solver_speed", "strength_bound", "variance_reduction",
+    "strength_bound", "variance_reduction",
 )  # fmt: skip
 """Stored runs of an older solver, before 5cfd014e, in which joints reached their maximum otherwise.
 

@@ -10,7 +10,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from jointclosure.assessment.assess import JUDGED, STIFFNESS, assessed_variants
+from jointclosure.assessment.assess import assessed_variants
+from jointclosure.assessment.assessed_results import JUDGED, STIFFNESS
 from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import AssessmentSection

@@ -10,17 +10,15 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.assessment.assess import (
-    CLOSURE,
     DROPS,
     GIVEN_UP,
-    JUDGED,
     MOST_BREAKAGE_STEPS,
     NEEDED_AS_FAILS,
-    STIFFNESS,
     is_given_up,
     results_beyond,
     verdict_on_effects,
 )
+from jointclosure.assessment.assessed_results import CLOSURE, JUDGED, STIFFNESS
 from jointclosure.assessment.effect_names import without
 from jointclosure.joint.status import (
     FAILURE,

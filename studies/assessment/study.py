@@ -13,15 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.assessment.assess import (
-    ASSESSED,
     HARD_CASES,
-    JUDGED,
     READ,
     assessed_variants,
     is_given_up,
     worst_first,
 )
 from jointclosure.assessment.assess import Assessment as Assessed
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.joint.status import FAILURE, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects

@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.assessment.assess import COPIES, JUDGED, LADDER
+from jointclosure.assessment.assess import COPIES, LADDER
+from jointclosure.assessment.assessed_results import JUDGED
 from studies.assessment.larger_assessment import BaseCondition, base_conditions
 from studies.assessment.study import (
     EXPERIMENT,

@@ -15,7 +15,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.assessment.assess import ASSESSED, JUDGED
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
 from jointclosure.ensembles.quantities import QUANTITIES, shown_unit
 from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_lengths

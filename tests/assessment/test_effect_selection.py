@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.assessment.assess import ASSESSED
+from jointclosure.assessment.assessed_results import ASSESSED
 from jointclosure.assessment.effect_selection import (
     ENOUGH,
     FEWEST_PAIRS,

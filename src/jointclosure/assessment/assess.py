@@ -18,7 +18,15 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
+from jointclosure.assessment.assessed_results import (
+    ASSESSED,
+    CLOSURE,
+    JUDGED,
+    LIMITED,
+    STIFFNESS,
+)
 from jointclosure.assessment.effect_names import effects_of, lacks_effects, without
+from jointclosure.assessment.finest_error import log_error_of_finest
 from jointclosure.compilation.code_digests import code_digest
 from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.execution.workers import Failed, in_processes, number_of_workers
@@ -58,16 +66,6 @@ from jointclosure.walls import Walls
 from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.wall_files import registered_walls
 
-CLOSURE = "max_closure_seated_net"  # by which copies of a joint are compared
-JUDGED = (CLOSURE, "max_closure")  # to which a request applies: since seating, from first touch
-STIFFNESS = "stiffness_net"
-ASSESSED = {
-    CLOSURE: "net closure",
-    "max_closure": "gross closure",
-    STIFFNESS: "net chord stiffness",
-    "mean_aperture_at_max": "aperture",
-}
-"""Quantities that are compared, and their short titles."""
 REFINEMENT = 5.0  # tolerance of a resolved setting over that of the next finer one
 LEAST_ORDER = 0.2
 """Least observed order that is stated. With a smaller one a tolerance of a fifth has an error of
@@ -81,8 +79,7 @@ _MEANINGS = {
     "not stable": "no closure of it can be stated",
     "hard": "the order of breakage changes its closure, its closure jumps, or contacts that cannot "
     "break carry it",
-    "easy": "net closures of its copies agree, its closure hardly jumps and its contacts can "
-    "break, which does not say that the error of its numerics is small",
+    "easy": "net closures of its copies agree, its closure hardly jumps and its contacts can break",
 }
 """Verdicts on a joint, the worst first, in words."""
 NEEDED_AS_FAILS = "needed: fails"
@@ -114,11 +111,24 @@ DROPS = (
 """Effects that are left out together."""
 READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
 """Quantities that are read from every simulation; the last one only from walls as they are."""
-LADDER = {"the paper's steps": Numerics()} | {
-    f"tolerance {numerics.tolerance:g}": numerics
-    for numerics in (coarser(RESOLVED, REFINEMENT**power) for power in (1, 0, -1))
-}
-"""Settings of the numerics that are compared, from the cheapest to the finest."""
+
+
+def named(numerics: Numerics) -> str:
+    """Return the name of resolved breakage as a setting."""
+    return f"tolerance {numerics.tolerance:g}"
+
+
+def ladder_about(middle: Numerics) -> dict[str, Numerics]:
+    """Return settings of the numerics, from the cheapest to the finest.
+
+    They are the paper's steps, and five times, once and a fifth of the tolerance of ``middle``.
+    """
+    resolved = (coarser(middle, REFINEMENT**power) for power in (1, 0, -1))
+    return {"the paper's steps": Numerics()} | {named(numerics): numerics for numerics in resolved}
+
+
+LADDER = ladder_about(RESOLVED)
+"""Settings of the numerics that are compared, unless the scene states a finer one."""
 FINEST = list(LADDER.values())[-1]
 
 
@@ -176,19 +186,69 @@ class Assessment:
 
     @property
     def sentences(self) -> list[str]:
-        """Conclusions in words: limits of the accuracy, effects that are needed, and hardness."""
+        """Conclusions in words: convergence, limits of errors, and hardness."""
         worst = self.hardness.iloc[0]
         subject = "this joint" if self._lone else f"joint {worst.joint}"
         words = f"{subject} is {worst.verdict} ({_MEANINGS[worst.verdict]}): {worst.reason}"
-        return [*self._limits(), self._of_joint() if self._lone else self._of_mean(), words]
+        return [*self._convergence(), self._of_joint() if self._lone else self._of_mean(), words]
+
+    @cached_property
+    def limits(self) -> pd.DataFrame:
+        """Limits of the numerical errors of a lone joint, which about nine in ten joints keep.
+
+        One row for each setting (``variant``), ``quantity`` of `LIMITED` and ``cycle``. The
+        ``limit`` [1] is a relative error, by which the result may be multiplied or divided: that of
+        the finest setting (`log_error_of_finest`), and for other settings also the largest
+        difference of a copy from the mean of the copies by the finest setting. It is NaN where
+        copies have no such result. Several joints, and joints without breakage, which have one
+        setting, have no limits.
+        """
+        rows = []
+        finest = self.ladder[-1]
+        for known in self.known_of_finest.itertuples():
+            of_result = known.quantity, known.cycle
+            least = log_error_of_finest(known.scatter, known.change, known.jump, *of_result)
+            middle = self._logs_of_copies(finest, *of_result).mean()
+            for name in self.ladder:
+                apart = np.abs(self._logs_of_copies(name, *of_result) - middle).max()
+                total = least if name == finest else least + float(apart)
+                rows.append((name, *of_result, math.expm1(total)))
+        return pd.DataFrame(rows, columns=["variant", "quantity", "cycle", "limit"])
+
+    @property
+    def known_of_finest(self) -> pd.DataFrame:
+        """What `log_error_of_finest` needs of a lone joint.
+
+        One row for each ``quantity`` of `LIMITED` and ``cycle``: ``scatter``, ``change`` and
+        ``jump`` [1]. Empty where there are no `limits`.
+        """
+        rows = []
+        if self._lone and len(self.ladder) > 1:
+            *others, finest = self.ladder
+            # a stated setting between those of the ladder is too close to the finest one
+            coarse = [name for name in others if name != self.stated or name in LADDER][-1]
+            jump = float(self.hardness.largest_jump[0])
+            for quantity, cycle in itertools.product(LIMITED, self._cycles):
+                both = [self._logs_of_copies(name, quantity, cycle) for name in (coarse, finest)]
+                change = both[0].mean() - both[1].mean()
+                scatter = np.sqrt(np.mean([logs.var(ddof=1) for logs in both]))
+                rows.append((quantity, cycle, float(scatter), float(change), jump))
+        return pd.DataFrame(rows, columns=["quantity", "cycle", "scatter", "change", "jump"])
 
     @property
     def price(self) -> pd.DataFrame:
-        """Seconds of each setting, and differences from the finest one (%) by cycle.
+        """Seconds of each setting, differences from the finest one, and limits of errors (%).
 
-        The differences are those of net closure and net stiffness.
+        The differences are those of net closure and net stiffness, by cycle. The limits, of a lone
+        joint, are the largest of net and gross closures, and of net stiffnesses, of all cycles.
         """
-        return self._table(False, (CLOSURE, STIFFNESS))
+        table = self._table(False, (CLOSURE, STIFFNESS))
+        if len(self.limits):
+            for title, quantities in (("closures", JUDGED), ("stiffness", (STIFFNESS,))):
+                largest = self._largest_limits(quantities)
+                texts = [percent(largest[name]).removesuffix(" %") for name in table.index]
+                table[f"limit of error, {title} (%)"] = texts
+        return table
 
     @property
     def effects(self) -> pd.DataFrame:
@@ -240,10 +300,16 @@ class Assessment:
     def about_intervals(self) -> str:
         """Say what the differences in the tables are from, and what their brackets are."""
         of = "copies of this joint, which should be equal" if self._lone else "the joints"
-        return (
+        words = (
             "Differences are from the finest setting, or from the joint with all effects. Brackets "
             f"have 95 % intervals, from the scatter of {of}."
         )
+        if len(self.limits):
+            words += (
+                " About nine in ten joints keep the limits of errors, which contain that of the "
+                "finest setting."
+            )
+        return words
 
     @property
     def conclusion(self) -> str:
@@ -272,21 +338,25 @@ class Assessment:
         if not allowed:
             return f"no setting meets {asked}"
         name = min(allowed, key=lambda n: seconds[n] if budget is None else reached[n])
-        time = f"{seconds[name]:.2g} s of processor time"
         best = "cheapest" if budget is None else "most accurate"
-        finest = self.ladder[-1]
-        if name == finest:
-            error = f"its error is not known, and its copies scatter by {percent(reached[name])}"
-            if budget is None:
-                return (
-                    f"no setting is shown to meet {asked}. Errors are taken from the finest one, "
-                    f"{name}; {error}, and it takes {time}"
-                )
-            return f"the {best} setting that meets {asked} is {name}; {error}, and it takes {time}"
         return (
-            f"the {best} setting that meets {asked} is {name}; its net and gross closures differ "
-            f"from those of {finest} by up to {percent(reached[name])}, and it takes {time}. The "
-            f"error of {finest} itself is not known"
+            f"the {best} setting that meets {asked} is {name}; {self._error_of(name)}, and it "
+            f"takes {seconds[name]:.2g} s of processor time"
+        )
+
+    def _error_of(self, name: str) -> str:
+        """Say how large the errors of a lone joint by a setting may be."""
+        if not len(self.limits):
+            return f"its copies scatter by {percent(self._spread_of_copies[name])}"
+        stiffness = self._largest_limits((STIFFNESS,))[name]
+        of_stiffness = (
+            f"those of its net stiffnesses at most {percent(stiffness)}"
+            if math.isfinite(stiffness)
+            else "its net stiffnesses have no known limit"
+        )
+        return (
+            f"the errors of its net and gross closures are at most {percent(self._reached[name])}, "
+            f"and {of_stiffness} (about nine in ten joints keep such limits)"
         )
 
     def _best_for_mean(self, asked: str) -> str:
@@ -377,8 +447,8 @@ class Assessment:
         row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
         return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
 
-    def _limits(self) -> list[str]:
-        """Describe for each cycle whether results have a limit for ever finer resolved breakage."""
+    def _convergence(self) -> list[str]:
+        """Describe for each cycle whether closures converge for ever finer resolved breakage."""
         lines = []
         ladder = self.ladder
         for cycle in self._cycles if len(ladder) > 2 else ():
@@ -387,83 +457,77 @@ class Assessment:
             judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
             coarse = self._apart(ladder[-3:-1], cycle, judged)
             last = lasts[judged]
-            limit = {
-                True: "it has a limit within the request",
-                False: "no limit was reached",
-                None: "these joints do not show whether it has a limit within the request",
+            found = {
+                True: "it converges within the request",
+                False: "it does not converge within the request",
+                None: "these joints do not show whether it converges within the request",
             }[last.within(self.within)]
             if coarse.within(0.0) is False and last.within(0.0) is False:
                 order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
-                limit += (
+                found += (
                     f" (observed order {order:.2g})"
                     if order >= LEAST_ORDER
                     else f" (the change before, with {ladder[-3]}, was hardly larger or smaller)"
                 )
             lines.append(
                 f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
-                f"{percent_of(last)} %: {limit}"
+                f"{percent_of(last)} %: {found}"
             )
         return lines
 
     def _of_joint(self) -> str:
-        """Describe which setting a lone joint needs, or which one the budget allows."""
-        *cheaper, finest = self.ladder
+        """Describe the errors of a lone joint by the finest setting, and what is not possible."""
+        finest = self.ladder[-1]
         budget = self.budget
         seconds = self._seconds
-        errors = self._errors
-        scatter = self._spread_of_copies
-        reached = self._reached
-        if not math.isfinite(scatter[finest]):
+        scatter = self._spread_of_copies[finest]
+        if not math.isfinite(scatter):
             return f"no error can be stated, because copies failed with {finest}"
-        limited, limit = (reached, self.within) if budget is None else (seconds, budget)
-        allowed = [name for name in cheaper if limited[name] <= limit]
-        takes = f"{finest}, the finest setting, takes {seconds[finest]:.2g} s of processor time"
-        if budget is not None and not allowed:
-            least = min(seconds[name] for name in (cheaper or [finest]))
-            return f"budget = {budget:g} s: a joint takes at least {least:.2g} s; {takes}"
-        if budget is not None and budget >= seconds[finest]:
-            return f"budget = {budget:g} s: suffices for all settings; {takes}"
-        if not allowed and reached[finest] > self.within:
-            least = min(reached, key=lambda name: reached[name])
-            error = "not known" if least == finest else percent(errors[least])
-            return (
-                f"the request of {100 * self.within:g} % cannot be met: the least that can be had "
-                f"is {percent(reached[least])}, with {least} in {seconds[least]:.2g} s, as its "
-                f"copies that should be equal scatter by {percent(scatter[least])} "
-                f"(the model does not determine the order of breakage) and its error is {error}"
-            )
-        if not allowed:
-            return (
-                f"closures by no cheaper setting are within {100 * self.within:g} % of the finest; "
-                f"{takes}, and net and gross closures of its copies scatter by up to "
-                f"{percent(scatter[finest])}; its error is not known"
-            )
-        name = min(allowed, key=lambda name: seconds[name] if budget is None else reached[name])
-        return (
-            f"net and gross closures by {name} are within {percent(errors[name])} of the finest, "
-            f"those of its copies scatter by up to {percent(scatter[name])}, and it takes "
-            f"{seconds[name]:.2g} s; {takes}"
+        if budget is not None and budget < (least := float(seconds[self.ladder].min())):
+            return f"budget = {budget:g} s: a joint takes at least {least:.2g} s"
+        takes = f"it takes {seconds[finest]:.2g} s of processor time"
+        if len(self.ladder) == 1:
+            only = "a joint without breakage has no setting that limits its accuracy"
+            return f"{only}: its copies scatter by {percent(scatter)}, and {takes}"
+        lines = (
+            f"by {finest}, the finest setting, {self._error_of(finest)}; net and gross closures of "
+            f"its copies scatter by up to {percent(scatter)}, and {takes}"
         )
+        reached = self._reached
+        best = min(reached, key=lambda name: reached[name])
+        if budget is None and reached[best] > self.within:
+            cause = (
+                ", as its copies, which should be equal, scatter more than that (the model does "
+                "not determine the order of breakage)"
+                if scatter > self.within
+                else ""
+            )
+            lines = (
+                f"the request of {100 * self.within:g} % cannot be met{cause}: the least limit of "
+                f"the errors of net and gross closures is {percent(reached[best])}, by {best}; "
+            ) + lines
+        return lines
+
+    def _logs_of_copies(self, variant: str, quantity: str, cycle: int) -> np.ndarray:
+        """Return logarithms of a result of all copies (n,), NaN where it is not positive."""
+        rows = self.closures[(self.closures.variant == variant) & (self.closures.cycle == cycle)]
+        values = rows[quantity].to_numpy(float)
+        return np.log(values, out=np.full(values.shape, math.nan), where=values > 0.0)
+
+    def _largest_limits(self, quantities: Sequence[str]) -> pd.Series:
+        """Return the largest limits of results [1] by setting, infinite if one is not known."""
+        rows = self.limits[self.limits.quantity.isin(quantities)].fillna({"limit": math.inf})
+        return rows.groupby("variant").limit.max()
 
     @property
-    def _errors(self) -> pd.Series:
-        """Largest ends of the intervals of judged differences from their reference [1]."""
-        rows = self.differences[self.differences.quantity.isin(JUDGED)]
-        return rows[["low", "high"]].abs().max(axis=1).groupby(rows.variant).max()
+    def _reached(self) -> Mapping[str, float]:
+        """Largest limits of the errors of closures of a lone joint [1] by setting.
 
-    @property
-    def _reached(self) -> dict[str, float]:
-        """Largest of error and scatter of a lone joint [1] by setting, infinite if not known.
-
-        The error of the finest setting is not known, and does not count.
+        Those of a joint without breakage are the scatter of its copies.
         """
-        *cheaper, finest = self.ladder
-        scatter = self._spread_of_copies
-        reached = {finest: scatter[finest]}
-        for name in cheaper:
-            both = self._errors[name], scatter[name], scatter[finest]
-            reached[name] = max(both[:2]) if all(map(math.isfinite, both)) else math.inf
-        return reached
+        if not len(self.limits):
+            return self._spread_of_copies
+        return dict(self._largest_limits(JUDGED)[list(self.ladder)])
 
     @property
     def _spread_of_copies(self) -> dict[str, float]:
@@ -551,8 +615,9 @@ def assess(
         Arrays (y, x) of heights towards the other wall [m]; or two scans as for
         `jointclosure.close`.
     within : float
-        Requested relative error of closures, from those of the finest setting, and relative change
-        up to which an effect can be left out, in (0, 1).
+        Requested relative error of closures, and relative change up to which an effect can be left
+        out, in (0, 1). Errors of a lone joint contain that of the finest setting; those of means
+        are differences from the finest setting.
     budget : float, optional
         Processor time [s] of the joint, or of all joints of a mean for several pairs of walls. If
         given, the most accurate setting within this time is named, in place of the cheapest one
@@ -634,9 +699,12 @@ def assessed_variants(
     variants = {"as stated": given}
     if given.effects.breakage:
         points = given.numerics.curve_points  # of elastic curves, no part of a setting
+        finer = given.numerics.tolerance < FINEST.tolerance
+        resolved = given.numerics.breakage == "resolved"
+        middle = coarser(given.numerics, REFINEMENT) if resolved and finer else RESOLVED
         settings = {
             name: given._replace(numerics=numerics._replace(curve_points=points))
-            for name, numerics in LADDER.items()
+            for name, numerics in ladder_about(middle).items()
         }
         variants = _with_stated(settings, given)
     stated = next(name for name, variant in variants.items() if variant == given)
@@ -664,10 +732,10 @@ def _with_stated(
         return settings
     if given.numerics.breakage != "resolved":
         return {"as stated": given} | settings
-    named = settings | {f"tolerance {given.numerics.tolerance:g}": given}
-    coarse = [name for name, one in named.items() if one.numerics.breakage != "resolved"]
-    resolved = sorted(named.keys() - coarse, key=lambda name: -named[name].numerics.tolerance)
-    return {name: named[name] for name in (*coarse, *resolved)}
+    every = settings | {named(given.numerics): given}
+    coarse = [name for name, one in every.items() if one.numerics.breakage != "resolved"]
+    resolved = sorted(every.keys() - coarse, key=lambda name: -every[name].numerics.tolerance)
+    return {name: every[name] for name in (*coarse, *resolved)}
 
 
 def checked_pairs(walls: Any, conditions: CheckedConditions) -> tuple[list[Walls], float]:

@@ -20,7 +20,8 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from jointclosure.assessment.assess import ASSESSED, CLOSURE, DROPS, JUDGED, checked_pairs
+from jointclosure.assessment.assess import DROPS, checked_pairs
+from jointclosure.assessment.assessed_results import ASSESSED, CLOSURE, JUDGED
 from jointclosure.assessment.effect_names import without
 from jointclosure.ensembles.simulated_joint import SimulatedJoint
 from jointclosure.ensembles.simulation import read_joint, simulated_joint

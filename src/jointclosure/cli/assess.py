@@ -26,7 +26,9 @@ def declare(command: argparse.ArgumentParser) -> None:
     asked = command.add_argument_group("request")
     options.add_keywords(asked, assess, "within", "budget")
     text = "folder of the results (default assessed_joint)"
-    options.add_file(command, "--output", text, default=Path("assessed_joint"))
+    in_python = ("--folder",)
+    default = Path("assessed_joint")
+    options.add_file(command, "--output", text, others=in_python, default=default)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -58,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
         "closures.csv": assessment.closures,
         "differences.csv": assessment.differences,
         "hardness.csv": assessment.hardness,
+        "limits.csv": assessment.limits,
         "assessment.json": record,
     }
     if assessment.price.shape[0] > 1:

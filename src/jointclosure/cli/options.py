@@ -184,12 +184,20 @@ def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
 
 
 def add_file(
-    group: argparse._ActionsContainer, option: str, text: str, *suffixes: str, **changes: Any
+    group: argparse._ActionsContainer,
+    option: str,
+    text: str,
+    *suffixes: str,
+    others: Sequence[str] = (),
+    **changes: Any,
 ) -> None:
-    """Declare a file of results with one of some suffixes; without any it is a folder."""
+    """Declare a file of results with one of some suffixes; without any it is a folder.
+
+    ``others`` are further names of the option.
+    """
     form = {"type": partial(read, writable, suffixes)} | changes
     metavar = f"FILE{suffixes[0]}" if suffixes else "FOLDER"
-    group.add_argument(option, help=text, metavar=metavar, **form)
+    group.add_argument(option, *others, help=text, metavar=metavar, **form)
 
 
 def add_walls(command: argparse.ArgumentParser) -> None:

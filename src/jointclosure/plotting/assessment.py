@@ -9,7 +9,8 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.assessment.assess import ASSESSED, JUDGED, Assessment
+from jointclosure.assessment.assess import Assessment
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
 
@@ -24,10 +25,15 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     within = 100.0 * assessment.within
     without = lacks_effects(table.variant)
     figure, (upper, lower) = subplots(2, 1, figsize=(6.2, 8.6), height_ratios=(1.0, 1.1))
-    draw_price(upper, table[~without], within)
-    finest = table.reference[~without].iloc[0]
-    upper.set(title=f"error relative to {finest}", xlabel="processor time of a joint (s)")
-    upper.set_ylabel("largest error of closure (%),\nend of its 95 % interval")
+    if len(assessment.limits):
+        draw_price(upper, _largest_limits(assessment), within)
+        upper.set(title="limit that the error keeps in nine of ten joints")
+        upper.set_ylabel("limit of the error of closure (%)")
+    else:
+        draw_price(upper, _largest_ends(table[~without]), within)
+        upper.set(title=f"error relative to {table.reference[~without].iloc[0]}")
+        upper.set_ylabel("largest error of closure (%),\nend of its 95 % interval")
+    upper.set(xlabel="processor time of a joint (s)")
     scale = draw_effects(lower, table[without], within)
     lower.set(title="change of closure without an effect", xlabel=f"change of closure (%){scale}")
     for axes in (upper, lower):
@@ -38,23 +44,42 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
     return figure
 
 
+def _largest_limits(assessment: Assessment) -> pd.DataFrame:
+    """Return the ``error_percent`` and ``seconds`` of closures of a lone joint by its limits."""
+    limits = assessment.limits
+    limits = limits[limits.quantity.isin(JUDGED)]
+    largest = limits.groupby(["variant", "cycle"], sort=False).limit.max().reset_index()
+    seconds = assessment.differences.groupby("variant").seconds.first()
+    return largest.assign(error_percent=100.0 * largest.limit, seconds=largest.variant.map(seconds))
+
+
+def _largest_ends(settings: pd.DataFrame) -> pd.DataFrame:
+    """Return the ``error_percent`` and ``seconds`` of closures by the ends of their intervals."""
+    by_cycle = settings.groupby(["variant", "cycle"], sort=False)
+    largest = by_cycle.agg(
+        low=("low_percent", "min"), high=("high_percent", "max"), seconds=("seconds", "first")
+    )
+    error = np.maximum(-largest.low, largest.high)
+    return largest.assign(error_percent=error).reset_index()
+
+
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw the largest end of intervals [%] over seconds by cycle, with the request [%].
+    """Draw errors [%] over seconds by setting and cycle, with the request [%].
 
     The marks of a setting, one for each cycle with its number, are joined by a line.
     """
     colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
     names = list(dict.fromkeys(settings.variant))
     for name, rows in settings.groupby("variant"):
-        of_cycles = rows.groupby("cycle")
-        errors = np.maximum(-of_cycles.low_percent.min(), of_cycles.high_percent.max())
-        seconds = [rows.seconds.iloc[0]] * errors.size
-        axes.plot(seconds, errors, color="0.7", lw=1.0, zorder=1)
-        for cycle, error in errors.items():
-            axes.plot(seconds[0], error, "osD^v"[names.index(name)], color=colours[cycle])
+        axes.plot(rows.seconds, rows.error_percent, color="0.7", lw=1.0, zorder=1)
+        for row in rows.itertuples():
+            place = row.seconds, row.error_percent
+            axes.plot(*place, "osD^v"[names.index(name)], color=colours[row.cycle])
+            side = 1 if row.cycle % 2 else -1  # marks of two cycles may coincide
             axes.annotate(
-                f"{cycle}", (seconds[0], error), (6.0, 0.0), textcoords="offset points",
-                color=colours[cycle], fontsize="small", va="center",
+                f"{row.cycle}", place, (6.0 * side, 0.0), textcoords="offset points",
+                color=colours[row.cycle], fontsize="small", va="center",
+                ha="left" if side > 0 else "right",
             )  # fmt: skip
     for mark, name in zip("osD^v", names, strict=False):
         axes.plot([], [], mark, color="0.5", label=name)

@@ -13,8 +13,8 @@ from matplotlib.patheffects import withStroke
 
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.statistics.number_texts import percent
-from jointclosure.walls.motion import CLEAR
 from jointclosure.walls.registered_pair import RegisteredPair
+from jointclosure.walls.rotation_search import CLEAR
 from jointclosure.walls.wall_roughness import increments
 
 FIRST_TOUCH: dict[str, Any] = {

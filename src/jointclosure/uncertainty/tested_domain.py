@@ -49,5 +49,5 @@ def beyond_tested(pair: RegisteredPair) -> list[str]:
     return [
         f"ranges of apertures and transmissivity were not tested on such walls: "
         f"{'; '.join(reasons)}; they may contain the truth less often than stated "
-        "(docs/two_scans.md#how-often-ranges-contain-the-truth)"
+        "(docs/coverage.md)"
     ]

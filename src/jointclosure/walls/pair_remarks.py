@@ -7,9 +7,9 @@ from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import plausibility
 from jointclosure.walls.mating import Mismatch
-from jointclosure.walls.motion import LEAST_OVERLAP
 from jointclosure.walls.overlap import Overlap
 from jointclosure.walls.registered_pair import RegisteredPair
+from jointclosure.walls.rotation_search import LEAST_OVERLAP
 
 STEEP_PLANE = 5.0  # inclination of the plane common to both walls from which users are warned [deg]
 STEEP_WEDGE = 1.0  # inclination of the walls to each other from which users are warned [degrees]

@@ -249,4 +249,6 @@ def smoothing_of(
         f"{1e3 * spacing:.4g} mm is {kept:.3g} instead of {measured:.3g} "
         f"({100.0 * (kept / measured - 1.0):+.2g} %)"
     )
+    if kept < measured:
+        lost += "; on a grid of larger spacing (--spacing) less of the slope is lost"
     return (caution(lost),)

@@ -9,18 +9,11 @@ from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.walls.gridding import LARGEST_TILT, Scan, points_of
 from jointclosure.walls.levelling import levelled
-from jointclosure.walls.motion import (
-    BLOCKS,
-    CLEAR,
-    Motion,
-    SlopeFit,
-    compare_rotations,
-    flip_about_middle,
-    laid_on_nodes,
-    refined_motion,
-)
+from jointclosure.walls.motion import Motion, flip_about_middle, laid_on_nodes
+from jointclosure.walls.motion_fit import refined_motion
 from jointclosure.walls.prepared_scans import PreparedScans, SampledScans
 from jointclosure.walls.registration_options import FLIPS, ORIENTATIONS, RegistrationOptions
+from jointclosure.walls.rotation_search import BLOCKS, CLEAR, SlopeFit, compare_rotations
 from jointclosure.walls.surfaces import Surface, surface_of
 
 # All constants were chosen; the pairs of known truth of docs/two_scans.md were registered by them.

@@ -7,7 +7,8 @@ import numpy as np
 from jointclosure.inputs.remarks import Caution, cautions
 from jointclosure.walls import Walls
 from jointclosure.walls.mating import Mating, Mismatch
-from jointclosure.walls.motion import Motion, SlopeFit
+from jointclosure.walls.motion import Motion
+from jointclosure.walls.rotation_search import SlopeFit
 from jointclosure.walls.scan_errors import ScanErrors, noise_of
 from jointclosure.walls.scan_quality import MOVED
 
@@ -43,7 +44,7 @@ class RegisteredPair(NamedTuple):
     correlation: float  # of heights
     mating: Mating
     mismatch: Mismatch
-    overlap: float  # share of the smaller scan
+    overlap_share: float  # of the smaller scan
     holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there
     first: np.ndarray  # place (x, y) [m] of the first cell in the lower scan
     remarks: list[str]  # results of the registration in sentences

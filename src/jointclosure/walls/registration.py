@@ -275,7 +275,7 @@ def _registered_pair(
         correlation=agreement.correlation,
         mating=agreement.mating,
         mismatch=agreement.mismatch,
-        overlap=max(overlap.shares),
+        overlap_share=max(overlap.shares),
         holes=overlap.holes,
         first=overlap.first,
         remarks=[],

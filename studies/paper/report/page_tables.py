@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.assessment.assess import ASSESSED, JUDGED
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
 from jointclosure.assessment.effect_names import effects_title
 from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES, scene_of

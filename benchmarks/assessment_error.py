@@ -1,0 +1,143 @@
+"""Errors that `jointclosure assess` states of single joints, compared with true ones.
+
+Joints are those of `benchmarks/numerical_error.py`. Each is simulated with all settings of the
+assessment, as it is and as copies that should be equal, and once with an eighth of the finest
+tolerance, from whose results the true errors are taken. A true error is the factor between a result
+and that by an eighth of the finest tolerance, or its inverse, less 1. Joints that take more than
+`LONGEST` seconds by the tolerance of `jointclosure close` are left out.
+
+`python benchmarks/assessment_error.py` writes joints.csv and coverage.csv, and goes on with the
+joints that its folder has. ``--compare FOLDER ...`` fits the weights of the limit by the finest
+setting to the joints of these folders. Those of the package are of joints of seeds 31 and 51.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numerical_error import fitted_weights, joint_of
+
+from jointclosure.assessment.assess import (
+    FINEST,
+    LADDER,
+    Assessment,
+    assessed_variants,
+    closures_of,
+)
+from jointclosure.assessment.assessed_results import ASSESSED
+from jointclosure.assessment.finest_error import WEIGHTS
+from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import RESOLVED
+from jointclosure.storage.files import read_csv, write_csv
+from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.numerical_error import log_change
+from jointclosure.uncertainty.sources import coarser
+from jointclosure.uncertainty.variants import COPIES
+
+TRUE = "an eighth of the finest tolerance"
+LONGEST = 3.0
+"""Processor time [s] by the tolerance of `close` beyond which a joint is left out."""
+WITHIN = 0.05
+
+
+def closed(seed: int, number: int, cells: tuple[int, int]) -> pd.DataFrame:
+    """Simulate a joint by all settings; return rows as `Assessment.closures`, none if it fails."""
+    conditions, pair = joint_of(seed, number, cells)
+    stated, ladder, variants = assessed_variants(conditions._replace(numerics=RESOLVED))
+    fine = conditions._replace(numerics=coarser(FINEST, 0.125))
+    settings = {name: variants[name] for name in ladder} | {TRUE: fine}
+    first = (stated, 0, "as it is")
+    others = [(name, 0, copy) for name in ladder for copy in COPIES]
+    tasks = [task for task in others if task != first] + [(TRUE, 0, "as it is")]
+    try:
+        own = closures_of([first], stated, settings, [pair])
+    except InputError as error:
+        print(f"joint {number}: {error}")
+        return pd.DataFrame()
+    if own.seconds.max() > LONGEST:
+        print(f"joint {number}: left out, as it takes {own.seconds.max():.0f} s")
+        return pd.DataFrame()
+    return pd.concat([own, closures_of(tasks, stated, settings, [pair])]).assign(joint=number)
+
+
+def compared(joints: pd.DataFrame) -> pd.DataFrame:
+    """Return the stated and the true relative error of each joint, setting, result and cycle.
+
+    ``jump``, ``change`` and ``scatter`` [1] are those from which the error by the finest setting is
+    stated, and ``apart`` is the logarithm of the true result over that of the joint as it is.
+    """
+    rows = []
+    for number, of_joint in joints.groupby("joint"):
+        closures = of_joint[of_joint.variant != TRUE]
+        assessment = Assessment(closures, list(LADDER), list(LADDER)[-2], WITHIN)
+        limits = assessment.limits.set_index(["variant", "quantity", "cycle"]).limit
+        as_it_is = of_joint[of_joint.copy_of_walls == "as it is"]
+        values = as_it_is.set_index(["variant", "cycle"])
+        known = assessment.known_of_finest.set_index(["quantity", "cycle"])
+        for (name, quantity, cycle), limit in limits.items():
+            apart = log_change(values[quantity][name, cycle], values[quantity][TRUE, cycle])
+            row = {"joint": number, "setting": name, "result": quantity, "cycle": cycle}
+            row |= {"quantity": ASSESSED[quantity], "stated": limit, "true": np.expm1(abs(apart))}
+            rows.append(row | {"apart": apart} | known.loc[(quantity, cycle)].to_dict())
+    return pd.DataFrame(rows)
+
+
+def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
+    """Count the true errors within the stated ones by setting, quantity and cycle."""
+    errors = errors.dropna(subset=["stated", "true"])
+    errors = errors.assign(inside=errors.true <= errors.stated, over=errors.stated / errors.true)
+    by_result = errors.groupby(["setting", "quantity", "cycle"], sort=False)
+    return by_result.agg(
+        joints=("joint", "nunique"),
+        inside=("inside", "sum"),
+        stated_percent=("stated", lambda stated: 100.0 * stated.median()),
+        true_percent=("true", lambda true: 100.0 * true.median()),
+        stated_over_true=("over", "median"),
+        largest_true_over_stated=("over", lambda over: float(1.0 / over.min())),
+    ).reset_index()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--joints", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0, help="number of the first joint")
+    parser.add_argument("--seed", type=int, default=61)
+    parser.add_argument("--cells", type=int, nargs=2, default=(32, 64), metavar=("LEAST", "MOST"))
+    parser.add_argument("--output", type=Path, default=Path("results/benchmarks/assessment_error"))
+    parser.add_argument(
+        "--compare", type=Path, nargs="+", help="fit weights to the joints of FOLDERs"
+    )
+    asked = parser.parse_args()
+    if asked.compare:
+        parts = [compared(read_csv(folder / "joints.csv")) for folder in asked.compare]
+        errors = pd.concat(parts)
+        finest = errors[errors.setting == list(LADDER)[-1]]
+        table = fitted_weights(finest, ("jump", "change", "scatter"), WEIGHTS)
+        print(table.to_string(index=False, float_format="{:.3g}".format))
+        return
+    asked.output.mkdir(parents=True, exist_ok=True)
+    file = asked.output / "joints.csv"
+    joints = read_csv(file) if file.exists() else pd.DataFrame(columns=["joint"])
+    for number in range(asked.first, asked.first + asked.joints):
+        if number in set(joints.joint):
+            continue
+        new = closed(asked.seed, number, tuple(asked.cells))
+        if len(new):
+            joints = pd.concat([joints, new]) if len(joints) else new
+            write_csv(joints, file)
+        print(f"joint {number}", flush=True)
+    table = coverage_of(compared(joints))
+    table = table.assign(left_out=asked.joints - joints.joint.nunique(), longest_s=LONGEST)
+    print(table.to_string(index=False))
+    write_csv(table, asked.output / "coverage.csv")
+    write_origin(asked.output, f"seed {asked.seed}, {joints.joint.nunique()} joints")
+
+
+if __name__ == "__main__":
+    main()
