@@ -35,10 +35,12 @@ from jointclosure.joint.status import LOADING
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
+from jointclosure.uncertainty.budget import ROUNDING
 from jointclosure.uncertainty.ranged_results import (
     CLOSURE_NET,
     CONTACT,
     KNI,
+    RESIDUAL_NET,
     STIFFNESS,
     VM,
     results_of,
@@ -50,7 +52,7 @@ from jointclosure.uncertainty.tested_domain import TESTED
 from jointclosure.uncertainty.variants import Variant, variants_of
 from jointclosure.walls.gridding import usual_grid_spacing
 
-RESULTS = (CLOSURE_NET, STIFFNESS, KNI, VM, "mean_aperture_at_max_mm", CONTACT)
+RESULTS = (CLOSURE_NET, RESIDUAL_NET, STIFFNESS, KNI, VM, "mean_aperture_at_max_mm", CONTACT)
 """Results of a cycle whose ranges are judged."""
 ALONG = ("normal_stiffness_net_MPa_per_mm", "mean_aperture_mm", "transmissivity_m2_per_s")
 """Curves on loading whose bands are judged."""
@@ -188,6 +190,8 @@ def coverage(table: pd.DataFrame) -> pd.DataFrame:
     ``error_of_middle`` are medians of their sizes on this scale.
     """
     known = table[(table.true > 0.0) & (table.high > table.low) & (table.low > 0.0)]
+    # in later cycles nothing remains
+    known = known[(known.quantity != RESIDUAL_NET) | (known.best > ROUNDING)]
     scaled = on_scale(known)
     middle = 0.5 * (scaled.low + scaled.high)
     half = 0.5 * (scaled.high - scaled.low)

@@ -114,7 +114,7 @@ def peaks(z):
 
 
 def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
-    """Compute E_a* [Pa] of every pair (y, x), and 1/(1/E_t* + 1/E_b*) [Pa] of the substrates."""
+    """Compute the oracle's E_a* [Pa] of every pair (y, x), and 1/(1/E_t* + 1/E_b*) [Pa]."""
     above, below = (r.youngs_modulus / (1 - r.poisson_ratio**2) for r in walls_rocks(rock))
     upper = np.where(upper_peaks, peak_modulus_ratio, 1.0) * above
     lower = np.where(lower_peaks, peak_modulus_ratio, 1.0) * below

@@ -22,7 +22,7 @@ from jointclosure.storage.netcdf import read_netcdf
 from studies.commands import existing, study_of
 from studies.commands.differences import differences
 from studies.frame.cases import ensembles_of
-from studies.frame.configuration import resolved
+from studies.frame.configuration import read_stored
 from studies.frame.joint_tables import succeeded
 from studies.paper.closure_tables import ELASTIC, elastic_responses, elasticity_of_response
 from studies.paper.responses import Response, rocks_of
@@ -226,7 +226,7 @@ def _difference_of_elasticities(
 def _pool_of(folder: Path) -> xr.Dataset:
     """Read the dataset by which elasticities of a study are known: its pool, or itself."""
     stated = json.loads(read_text(existing(folder / "tables/configuration.json")))
-    has_pool = "pool" in ensembles_of(resolved(stated))
+    has_pool = "pool" in ensembles_of(read_stored(stated))
     return read_netcdf(existing(folder / "pool.nc") if has_pool else study_of(folder))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.cli.options import add_file, writable
+from jointclosure.cli.options import add_file_option, writable
 from jointclosure.exports.csv_tables import FIGURES
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.history import KINDS
@@ -29,7 +29,7 @@ def declare(command: argparse.ArgumentParser) -> None:
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     what = "name of a case, such as dolerite-base; by default the base case of each rock"
     command.add_argument("--case", nargs="+", action="extend", metavar="NAME", help=what)
-    add_file(command, "--output", "default: engineering in the results folder")
+    add_file_option(command, "--output", "default: engineering in the results folder")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -18,7 +18,7 @@ from jointclosure.walls import Walls
 from studies.commands import existing
 from studies.commands.differences import differences
 from studies.frame.cases import cases_of, ensembles_of
-from studies.frame.configuration import Configuration, resolved
+from studies.frame.configuration import Configuration, read_stored
 from studies.frame.experiments import case_point
 from studies.frame.scanned_walls import cut_walls
 from studies.frame.settings import Point, walls_of
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     number = arguments.realization
     ensemble = arguments.ensemble
     stated = json.loads(read_text(existing(results / "tables/configuration.json")))
-    configurations = ensembles_of(resolved(stated))
+    configurations = ensembles_of(read_stored(stated))
     if ensemble not in configurations:
         raise InputError(f"--{ensemble}: {results} has none")
     study = configurations[ensemble]

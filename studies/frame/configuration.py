@@ -171,15 +171,16 @@ def written_out(stated: dict) -> dict:
 
 def configured(stated: dict) -> Configuration:
     """Check merged keys, and read them in SI; `ConfigurationError` names each that is wrong."""
-    study = resolved(written_out(stated))
+    study = read_stored(written_out(stated))
     refuse(contradictions(study))
     return study
 
 
-def resolved(stated: dict) -> Configuration:
-    """Read keys in SI, without a search for contradictions between them.
+def read_stored(stated: dict) -> Configuration:
+    """Read merged keys in SI, and fill in those that follow from others.
 
-    Keys that are stored with a study have been searched. `ConfigurationError` names wrong keys.
+    `ConfigurationError` names wrong keys. Contradictions between keys are not looked for, which
+    `configured` does: keys that are stored with a finished study were checked when it was made.
     """
     study = keys.validated(model(), stated)
     study._stated = stated

@@ -87,7 +87,10 @@ def in_words(name: str) -> str:
 
 
 def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
-    """Return closures (..., cycle, branch, stress) [m] since seating of the cycle, net or gross."""
+    """Return closures [m] of a study's dataset since seating of the cycle, net or gross.
+
+    They are (..., cycle, branch, stress).
+    """
     kind, closure = ("_net", study.closure - study.bulk_indentation) if net else ("", study.closure)
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
     return closure - (start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"])

@@ -123,7 +123,7 @@ class ClosureSettings(NamedTuple):
 
     @property
     def jrc(self) -> float:
-        """Joint roughness coefficient of the walls, NaN where they were scanned."""
+        """Joint roughness coefficient of the walls of the case, NaN where they were scanned."""
         return self.case.jrc
 
     def under(self, **changes: Any) -> "ClosureSettings":

@@ -17,7 +17,7 @@ from jointclosure.ensembles.quantities import QUANTITIES
 from jointclosure.joint.load import SEATING_STRESS
 from jointclosure.parameters.units import in_unit, to_si
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.configuration import resolved, sections, written_out
+from studies.frame.configuration import read_stored, sections, written_out
 from studies.frame.experiments import experiment_named
 from studies.frame.joint_tables import as_table
 from studies.frame.settings import seeds_of
@@ -259,7 +259,7 @@ def test_closures_count_from_half_a_megapascal_or_from_a_tenth_of_a_small_maximu
 def test_a_study_is_read_again_from_the_keys_that_it_left():
     left = study_of({"study": {"realizations_per_job": 3}}).stated
     del left["study"]["realizations_per_job"]
-    assert dict(resolved(left)) == dict(study_of())
+    assert dict(read_stored(left)) == dict(study_of())
 
 
 def test_auto_is_short_for_all_effects_to_two_percent():

@@ -12,7 +12,7 @@ from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import level_of, sampled_rows
 from studies.frame.cases import base_case, block_settings
-from studies.frame.configuration import Configuration, configured, resolved
+from studies.frame.configuration import Configuration, configured, read_stored
 from studies.frame.settings import ClosureSettings
 from studies.frame.yaml_files import merged, overlaid, refuse
 from studies.global_sensitivity.section import ROCK, GlobalSensitivitySection, Input
@@ -134,7 +134,7 @@ def settings_of_rock(
     }
 
     def settings(row: int, point: np.ndarray) -> ClosureSettings:
-        typed = resolved(overlaid(plain, keys_at(sampling, rock, point)))
+        typed = read_stored(overlaid(plain, keys_at(sampling, rock, point)))
         block = range(SURFACES * row, SURFACES * (row + 1))
         case = base_case(typed, rock)
         return block_settings(typed, case, block)

@@ -8,7 +8,7 @@ import xarray as xr
 from jointclosure.ensembles.simulation import simulated_joint
 from jointclosure.parameters import scene_of
 from studies.frame.cases import block_settings, cases_of
-from studies.frame.configuration import Configuration, merged_study, resolved
+from studies.frame.configuration import Configuration, merged_study, read_stored
 from studies.frame.scanned_walls import cut_walls, walls_of_files
 from studies.frame.settings import walls_of
 from studies.frame.yaml_files import merged
@@ -38,4 +38,4 @@ def _closed(stated: str, scene: str, label: str, realization: int) -> xr.Dataset
 
 def _configuration(stated: str) -> Configuration:
     """Read the keys of a dataset; those that it lacks (see `closed_keys`) have their defaults."""
-    return resolved(merged(merged_study(), json.loads(stated)))
+    return read_stored(merged(merged_study(), json.loads(stated)))

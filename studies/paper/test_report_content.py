@@ -11,7 +11,7 @@ import xarray as xr
 
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.storage.files import read_csv
-from studies.frame.configuration import merged, model, resolved
+from studies.frame.configuration import merged, model, read_stored
 from studies.frame.keys import json_schema
 from studies.frame.yaml_files import PAPER_TABLE_3, provenance
 from studies.paper.closure_tables import max_closure_table
@@ -34,7 +34,7 @@ KEYS = keys_of(
 @functools.cache
 def material():
     """Dataset and tables of a study in every case of which one joint failed."""
-    study = world(resolved(KEYS))
+    study = world(read_stored(KEYS))
     study.status[:, 3] = 16
     study = study.assign(stiffness_net=1e6 / study.max_closure)
     study = study.assign_coords(scene=("case", ["all"] * study.sizes["case"]))
@@ -76,7 +76,7 @@ def ends_of(frame, column):
 def test_a_number_of_the_headline_without_an_error_is_only_rounded():
     """As of one joint."""
     numbers = pd.DataFrame({"Joints (n)": [1], "a": [0.12345], "a_half_width": [np.nan]})
-    ranges = report.ranges_over_rocks(numbers, resolved(KEYS))
+    ranges = report.ranges_over_rocks(numbers, read_stored(KEYS))
     assert (ranges["a"], ranges["joints"]) == ("0.12", "1")
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from jointclosure.solvers import fast, joint
 from jointclosure.solvers.interaction_operator import (
-    Neighbours,
+    RecentContacts,
     influence_table,
 )
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
@@ -42,7 +42,7 @@ def test_products_are_those_of_linear_algebra(n):
 
 def test_the_matrix_is_that_of_its_cells_whatever_cells_it_had_before():
     table = table_of(17, 23)
-    near, random = Neighbours(table), np.random.default_rng(2)
+    near, random = RecentContacts(table), np.random.default_rng(2)
     begun_anew, largest = 0, 0
     for size in (3, 60, 61, 64, 90, 40, 150, 20, 391):
         wanted = np.sort(random.permutation(table.size)[:size])

@@ -28,7 +28,7 @@ def declare(command: argparse.ArgumentParser) -> None:
     text = "folder of the results (default assessed_joint)"
     in_python = ("--folder",)
     default = Path("assessed_joint")
-    options.add_file(command, "--output", text, others=in_python, default=default)
+    options.add_file_option(command, "--output", text, others=in_python, default=default)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -45,7 +45,7 @@ def declare(command: argparse.ArgumentParser) -> None:
     options.add_keywords(known, close, "single", "workers")
     text = "folder of the results (default closed_joint)"
     files = command.add_argument_group("results")
-    options.add_file(files, "--output", text, default="closed_joint")
+    options.add_file_option(files, "--output", text, default="closed_joint")
     options.add_export_cycle(files)
 
 

@@ -21,7 +21,7 @@ from jointclosure.parameters import RESOLVED
 
 def declare(command: argparse.ArgumentParser) -> None:
     options.add_measured(command, RESOLVED, "fit", fit, "first_loading", "fit_strength")
-    options.add_file(command, "--output", "folder of the results and a figure")
+    options.add_file_option(command, "--output", "folder of the results and a figure")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -183,7 +183,7 @@ def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
     return path
 
 
-def add_file(
+def add_file_option(
     group: argparse._ActionsContainer,
     option: str,
     text: str,
@@ -191,9 +191,11 @@ def add_file(
     others: Sequence[str] = (),
     **changes: Any,
 ) -> None:
-    """Declare a file of results with one of some suffixes; without any it is a folder.
+    """Declare an option for the path of a file of results, or of their folder.
 
-    ``others`` are further names of the option.
+    The file ends in one of the ``suffixes``; without any it is a folder. `writable` checks the
+    path. ``text`` is the help, ``others`` are further names of the option, and ``changes`` are
+    arguments of `add_argument`.
     """
     form = {"type": partial(read, writable, suffixes)} | changes
     metavar = f"FILE{suffixes[0]}" if suffixes else "FOLDER"
@@ -227,7 +229,7 @@ def add_conditions(
         add_keywords(loads, close, at={"default": ()})
         law = command.add_argument_group("law of Barton and Bandis")
         add_keywords(law, close, "joint_length", "lab_length")
-        add_file(loads, "--animation", "animation of the closure", ".gif")
+        add_file_option(loads, "--animation", "animation of the closure", ".gif")
     model = command.add_argument_group("model")
     what = f"effects to leave out, of {', '.join(Effects._fields)}"
     model.add_argument("--without", nargs="+", action="extend", choices=Effects._fields, default=[],

@@ -39,8 +39,8 @@ def declare(command: argparse.ArgumentParser) -> None:
     options.add_keywords(command, registered, spacing=grid, spikes={"default": "keep"})
     command.add_argument("--missing", choices=MISSING, default="avoid", help=_MISSING)
     text = "draw the wall (png, pdf or svg)"
-    options.add_file(command, "--picture", text, *options.PICTURES)
-    options.add_file(command, "--table", "write the measures", ".csv")
+    options.add_file_option(command, "--picture", text, *options.PICTURES)
+    options.add_file_option(command, "--table", "write the measures", ".csv")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -45,10 +45,12 @@ def declare(command: argparse.ArgumentParser) -> None:
     options.add_keywords(joint, wall_pair, *_WALLS, **usual)
     options.add_conditions(command, Numerics())
     files = command.add_argument_group("results")
-    options.add_file(files, "--output", "netCDF of all steps", ".nc")
-    options.add_file(files, "--picture", "closure curve (png, pdf or svg)", *options.PICTURES)
+    options.add_file_option(files, "--output", "netCDF of all steps", ".nc")
+    options.add_file_option(
+        files, "--picture", "closure curve (png, pdf or svg)", *options.PICTURES
+    )
     text = "curves, stiffness, fitted laws and input of other programs (docs/export.md)"
-    options.add_file(files, "--tables", text)
+    options.add_file_option(files, "--tables", text)
     options.add_export_cycle(files)
 
 

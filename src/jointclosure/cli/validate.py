@@ -21,7 +21,7 @@ from jointclosure.measured.validation import NUMERICS, validate
 def declare(command: argparse.ArgumentParser) -> None:
     tried = "strengths", "shifts", "crushed_strength_ratios"
     options.add_measured(command, NUMERICS, "constants that are tried", validate, *tried)
-    options.add_file(command, "--output", "folder of the tables, the figure, and the joints")
+    options.add_file_option(command, "--output", "folder of the tables, the figure, and the joints")
 
 
 def run(arguments: argparse.Namespace) -> int:

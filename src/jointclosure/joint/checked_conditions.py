@@ -20,11 +20,11 @@ from jointclosure.parameters import (
 
 
 class CheckedConditions(NamedTuple):
-    """Checked conditions of a simulation, in SI: all but the walls that closure depends on.
+    """Conditions of a simulation, checked and in SI.
 
-    `jointclosure.Conditions.checked` makes them, and functions behind the public ones take them.
-    They may be copied with other values that are allowed; `check_together` then checks whether all
-    fit each other.
+    They are everything that closure depends on except the walls, and whether the flow is computed.
+    `jointclosure.Conditions.checked` makes them, and functions that are not public take them. After
+    `_replace` with another allowed value, `check_together` checks whether all fit each other.
 
     Attributes
     ----------

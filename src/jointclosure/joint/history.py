@@ -192,10 +192,10 @@ class History:
         return words[self.joint.flow_status.values.astype(int)]
 
     def flow_status_at(self, levels: np.ndarray) -> np.ndarray:
-        """Return the status of the flow (cycles, 2, levels) at stresses [Pa], in words.
+        """Return the status of the flow in words (cycles, branches, levels) at stresses [Pa].
 
-        It is the one by which least is known, along both directions and at the steps on both sides
-        of the stress; "" where the stress is not reached.
+        Of the statuses along x and along y, at the steps on both sides of the stress, it is the one
+        farthest back in `FLOW_STATUSES`; "" where the branch does not reach the stress.
         """
         rank = np.vectorize(FLOW_STATUSES.index)(self.flow_statuses).max(axis=1)
         ranks = np.zeros((self.begun, 2, levels.size), dtype=int)

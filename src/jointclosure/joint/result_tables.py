@@ -104,8 +104,11 @@ def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
 def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.DataFrame:
     """Tabulate closure, stiffness, aperture and flow at stresses [Pa], by cycle and branch.
 
-    By default the stresses are those of `History.table_levels`. The hydraulic aperture is 0 where
-    the flow is blocked at the step before or after.
+    By default the stresses are those of `History.table_levels`. Closures since seating and
+    apertures are in mm, stiffnesses in MPa/mm and transmissivities in m2/s; they are NaN where the
+    branch does not reach the stress. Hydraulic apertures are geometric means of both directions.
+    They are 0 where the ``flow_status`` is blocked (`History.flow_status_at`), except the upper
+    bound.
     """
     history = history_of(joint)
     if levels is None:

@@ -108,12 +108,13 @@ def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None =
 
 
 def percent_ticks(axis: Axis, linear: float, low: float, high: float, narrow: bool = False) -> str:
-    """Scale an axis of signed percentages, and return words on the scale for its label.
+    """Set limits and scale of an axis of signed percentages; return words for its label.
 
-    An axis that reaches no further than four times ``linear`` is linear. A longer one is linear up
-    to there and logarithmic beyond; the linear part of a ``narrow`` one is half as long, and its
-    labels are small. It has as many labels as there is room for, powers of ten first, and short
-    ticks between them.
+    The axis reaches from ``low`` to ``high``. If it reaches farther than four times ``linear``, it
+    is logarithmic beyond ``linear`` on either side, with labels where there is room, 0 and powers
+    of ten first, and short ticks between them. Otherwise it is linear, and the words are "". With
+    ``narrow`` the linear part is half as long, and labels have the room of small letters, which the
+    caller sets.
     """
     horizontal = isinstance(axis, XAxis)
     axes = axis.axes

@@ -106,7 +106,7 @@ class _Candidates:
 
         ``field`` (y, x) [m] is empty or that of the forces. Only a convolution uses it.
         """
-        near = self.joint.neighbours
+        near = self.joint.recent_contacts
         newton_steps = 0
         products = 0
         while True:

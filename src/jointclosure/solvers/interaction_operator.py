@@ -144,7 +144,7 @@ def displacement_between(wide, middle, place, sources, force):
     return answer
 
 
-class Neighbours:
+class RecentContacts:
     """Cells (n,) that overlapped recently, by flat index, and the influence matrix between them.
 
     Nearly the same cells overlap from round to round, so that only rows and columns of new cells

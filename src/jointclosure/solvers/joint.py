@@ -21,7 +21,7 @@ from jointclosure.solvers.contacts import (
 )
 from jointclosure.solvers.interaction_operator import (
     Influence,
-    Neighbours,
+    RecentContacts,
     dense_limit,
     influence_of,
     influence_table,
@@ -199,9 +199,9 @@ class Joint:
         return float(field[self.force > 0.0].max(initial=0.0))
 
     @cached_property
-    def neighbours(self) -> Neighbours:
+    def recent_contacts(self) -> RecentContacts:
         """Cells that overlapped recently, and their influence on each other."""
-        return Neighbours(self.influence_table)
+        return RecentContacts(self.influence_table)
 
     @cached_property
     def _mean_displacement(self) -> np.ndarray:
@@ -247,14 +247,16 @@ class Joint:
         return unlimited(cells, overlap, compliance, self.law.substrate)
 
     def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
-        """Return contacts extended to all `neighbours`, and the influence matrix (m, m) of these.
+        """Return contacts with the cells that overlapped recently, and their influence matrix.
 
-        Neighbours that are not in contact have a negative overlap. Without interaction, or for so
+        New contacts are added to `recent_contacts`. The matrix (m, m) [m/N] is filled in the first
+        n rows and columns, one for each of the n returned contacts, and a later call fills the same
+        array. Cells that are not in contact have a negative overlap. Without interaction, or for so
         many contacts that a convolution is cheaper, the same contacts and None are returned.
         """
         if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
             return contacts, None
-        near = self.neighbours
+        near = self.recent_contacts
         slot = near.slots(contacts.cells)
         return contacts_among(contacts, slot, near.cells), near.matrix
 

@@ -53,9 +53,10 @@ def write(content: Any, path: str | Path) -> None:
 
 
 def replace_files(folder: Path, command: str, files: Mapping[str, Any]) -> None:
-    """Replace the files of a command's earlier run by others, which are contents by name.
+    """Write files to a folder, which is made if needed, and delete the others of an earlier run.
 
-    If an error occurs, the earlier files stay.
+    ``files`` are contents by name, and the earlier run is that of the same command. All files are
+    first written elsewhere: if this fails, the earlier files stay.
     """
     folder.mkdir(exist_ok=True)
     earlier = check_record(folder).get(command, [])

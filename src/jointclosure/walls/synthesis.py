@@ -240,7 +240,9 @@ def scaled_together(
 ) -> Walls:
     """Return two walls (y, x) [m] scaled by one factor to an RMS slope ``z2``.
 
-    ``slope`` is their present RMS slope, by default pooled from both.
+    ``slope`` is the RMS slope that they count as having before, by default that of both walls
+    together. It may be the slope that is expected of such walls, which then have ``z2`` only in the
+    mean. ``spacing`` is that of the grid [m].
     """
     if slope is None:
         slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]))

@@ -20,7 +20,7 @@ from jointclosure.statistics.standard_errors import (
     ratio_of_means,
 )
 from jointclosure.statistics.verdicts import UNDECIDED, verdict
-from studies.frame.configuration import Configuration, resolved, sections
+from studies.frame.configuration import Configuration, read_stored, sections
 from studies.frame.joint_tables import changes_of_cases, succeeded
 from studies.frame.settings import SIDES
 from studies.paper.checks import (
@@ -75,7 +75,7 @@ def content(material: Material) -> dict:
     study = material.study
     known = material.tables
     keys = json.loads(study.attrs["configuration"])
-    configuration = resolved(keys)
+    configuration = read_stored(keys)
     titles = configuration.titles
     grid = configuration.grid
     of_paper = set(titles) & set(material.paper.rock)
