@@ -19,8 +19,8 @@ import xarray as xr
 from effects_auto import SPACING, continued, options, scene, write_summary
 
 import jointclosure as jc
-from jointclosure.assessment.assess import FINEST
 from jointclosure.assessment.assessed_results import JUDGED
+from jointclosure.assessment.numerical_settings import FINEST
 from jointclosure.ensembles.simulation import Reading, Row, simulate_row, stack_rows
 from jointclosure.statistics.randomness import seed_of
 from studies.frame.keys import Accuracy

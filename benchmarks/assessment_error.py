@@ -23,15 +23,11 @@ import numpy as np
 import pandas as pd
 from numerical_error import fitted_weights, joint_of
 
-from jointclosure.assessment.assess import (
-    FINEST,
-    LADDER,
-    Assessment,
-    assessed_variants,
-    closures_of,
-)
+from jointclosure.assessment.assess import assessed_variants, closures_of
 from jointclosure.assessment.assessed_results import ASSESSED
+from jointclosure.assessment.assessment import Assessment
 from jointclosure.assessment.finest_error import WEIGHTS
+from jointclosure.assessment.numerical_settings import FINEST, LADDER
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import RESOLVED
 from jointclosure.storage.files import read_csv, write_csv

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.assess import GIVEN_UP, NEEDED_AS_FAILS
 from jointclosure.assessment.effect_names import lacks_effects
+from jointclosure.assessment.verdicts import GIVEN_UP, NEEDED_AS_FAILS
 from jointclosure.compilation.code_digests import code_digest
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.storage.files import digest

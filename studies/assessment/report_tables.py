@@ -9,17 +9,16 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.assessment.assess import (
-    DROPS,
+from jointclosure.assessment.assess import DROPS, MOST_BREAKAGE_STEPS
+from jointclosure.assessment.assessed_results import CLOSURE, JUDGED, STIFFNESS
+from jointclosure.assessment.effect_names import without
+from jointclosure.assessment.verdicts import (
     GIVEN_UP,
-    MOST_BREAKAGE_STEPS,
     NEEDED_AS_FAILS,
     is_given_up,
     results_beyond,
     verdict_on_effects,
 )
-from jointclosure.assessment.assessed_results import CLOSURE, JUDGED, STIFFNESS
-from jointclosure.assessment.effect_names import without
 from jointclosure.joint.status import (
     FAILURE,
     FLAGS,

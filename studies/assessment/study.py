@@ -12,16 +12,12 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.assessment.assess import (
-    HARD_CASES,
-    READ,
-    assessed_variants,
-    is_given_up,
-    worst_first,
-)
-from jointclosure.assessment.assess import Assessment as Assessed
+from jointclosure.assessment.assess import READ, assessed_variants
 from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
+from jointclosure.assessment.assessment import Assessment as Assessed
 from jointclosure.assessment.effect_names import lacks_effects
+from jointclosure.assessment.hardness import HARD_CASES, worst_first
+from jointclosure.assessment.verdicts import is_given_up
 from jointclosure.joint.status import FAILURE, LARGEST_UNBREAKABLE_SHARE
 from jointclosure.plotting.assessment import draw_effects
 from jointclosure.plotting.style import (

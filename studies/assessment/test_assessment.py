@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.assessment.assess import COPIES, LADDER
+from jointclosure.assessment.assess import COPIES
 from jointclosure.assessment.assessed_results import JUDGED
+from jointclosure.assessment.numerical_settings import LADDER
 from studies.assessment.larger_assessment import BaseCondition, base_conditions
 from studies.assessment.study import (
     EXPERIMENT,

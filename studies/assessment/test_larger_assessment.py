@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.assessment.assess import NEEDED_AS_FAILS
 from jointclosure.assessment.assessed_results import JUDGED, STIFFNESS
+from jointclosure.assessment.verdicts import NEEDED_AS_FAILS
 from studies.assessment.larger_assessment import base_conditions, with_larger
 from studies.assessment.report_tables import ALL_ROCKS, EFFECTS, NEEDED, assessed_table, cost_table
 from studies.assessment.test_report_tables import EFFECTS as ACTING

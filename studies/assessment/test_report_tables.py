@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.assessment.assess import GIVEN_UP, NEEDED_AS_FAILS
 from jointclosure.assessment.assessed_results import CLOSURE, STIFFNESS
+from jointclosure.assessment.verdicts import GIVEN_UP, NEEDED_AS_FAILS
 from jointclosure.cli.report import Picture, render
 from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
 from studies.assessment.report_panels import WORST, accuracy_panel, effects_panel, hardness_panel

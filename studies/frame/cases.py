@@ -6,7 +6,7 @@ are fields of `Case`, and coordinates of every dataset.
 
 from collections.abc import Mapping
 
-from jointclosure.assessment.assess import FINEST
+from jointclosure.assessment.numerical_settings import FINEST
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.two_level import FEWEST_DIFFERENCES

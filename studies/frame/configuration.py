@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Self, TypeVar
 from pydantic import PrivateAttr, create_model, model_validator
 
 from jointclosure import parameters
-from jointclosure.assessment.assess import FINEST
+from jointclosure.assessment.numerical_settings import FINEST
 from jointclosure.inputs import InputError, did_you_mean
 from jointclosure.joint.load import LARGEST_SEATING, usual_seating
 from jointclosure.parameters.units import SI_FACTORS, in_unit, name_and_unit, unit_meant

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.assessment.assess import FINEST
+from jointclosure.assessment.numerical_settings import FINEST
 from jointclosure.inputs import InputError
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.two_level import t_interval

@@ -21,7 +21,8 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure import oracle
-from jointclosure.assessment.assess import FEATURES, closures_of, features_of
+from jointclosure.assessment.assess import closures_of
+from jointclosure.assessment.hardness import FEATURES, features_of
 from jointclosure.ensembles import oracle_limits
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import jointclosure as jc
-from jointclosure.assessment.assess import HARD_CASES
+from jointclosure.assessment.hardness import HARD_CASES
 from jointclosure.storage.files import read_csv
 from studies.frame.yaml_files import read_plain
 from studies.verification.hard_cases import (

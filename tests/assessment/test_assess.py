@@ -6,17 +6,12 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.assessment import assess as module
-from jointclosure.assessment.assess import (
-    FEATURES,
-    GIVEN_UP,
-    HARD_CASES,
-    MOST_BREAKAGE_STEPS,
-    Assessment,
-    assessed_variants,
-    percent_of,
-)
+from jointclosure.assessment.assess import MOST_BREAKAGE_STEPS, assessed_variants
 from jointclosure.assessment.assessed_results import ASSESSED, JUDGED, LIMITED, STIFFNESS
+from jointclosure.assessment.assessment import Assessment, percent_of
 from jointclosure.assessment.finest_error import log_error_of_finest
+from jointclosure.assessment.hardness import FEATURES, HARD_CASES, nearest_hard_case
+from jointclosure.assessment.verdicts import GIVEN_UP
 from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
 from jointclosure.statistics.number_texts import percent
@@ -263,10 +258,10 @@ def test_the_nearest_hard_case_of_a_hard_case_is_one_with_its_features():
     cases = read_csv(HARD_CASES).set_index("name")
     known = cases[[*FEATURES]]
     for name, features in known.iterrows():
-        nearest, distance = module.nearest_hard_case(features)
+        nearest, distance = nearest_hard_case(features)
         assert distance == 0.0
         assert nearest == name or known.loc[nearest].equals(features)
-    assert module.nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
+    assert nearest_hard_case(dict.fromkeys(FEATURES, np.nan))[0] == ""
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.assessment.assess import Assessment
 from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
+from jointclosure.assessment.assessment import Assessment
 from jointclosure.assessment.effect_names import lacks_effects
 from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, subplots
 

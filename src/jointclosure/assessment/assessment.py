@@ -1,0 +1,546 @@
+"""Results of an assessment: differences between variants, limits of errors, and verdicts.
+
+All results are read from the differences between variants on the same walls. A lone joint is
+compared on its copies, whose scatter is that of the order of breakage; several joints are compared
+as they are.
+"""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.assessment.assessed_results import (
+    ASSESSED,
+    CLOSURE,
+    JUDGED,
+    LIMITED,
+    STIFFNESS,
+)
+from jointclosure.assessment.effect_names import effects_of, lacks_effects
+from jointclosure.assessment.finest_error import log_error_of_finest
+from jointclosure.assessment.hardness import (
+    MEANINGS,
+    features_of,
+    nearest_hard_case,
+    spread_of,
+    worst_first,
+)
+from jointclosure.assessment.numerical_settings import LADDER, REFINEMENT
+from jointclosure.assessment.verdicts import (
+    GIVEN_UP,
+    NEEDED_AS_FAILS,
+    is_given_up,
+    results_beyond,
+    verdict_on_effects,
+)
+from jointclosure.joint.status import (
+    FAILURE,
+    FLAGS,
+    LARGEST_UNBREAKABLE_SHARE,
+)
+from jointclosure.statistics.number_texts import percent, with_equal_decimals
+from jointclosure.statistics.two_level import (
+    FEWEST_DIFFERENCES,
+    Interval,
+    Plan,
+    best_plan,
+    change_interval,
+    t_interval,
+)
+from jointclosure.uncertainty.numerical_error import NOT_STABLE
+
+LEAST_ORDER = 0.2
+"""Least observed order that is stated. With a smaller one a tolerance of a fifth has an error of
+more than 0.7 times as much: the errors do not decrease."""
+_IN_WORDS = {
+    "can be left out": "may be left out",
+    "needed": "must be kept",
+    NEEDED_AS_FAILS: "must be kept",
+    "not decided": "are not decided",
+    GIVEN_UP: "were not tested",
+}
+"""Verdicts on effects in the words of a sentence."""
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """What accuracy costs on a scene, how hard it is, and which effects it needs.
+
+    Attributes
+    ----------
+    closures : DataFrame
+        One row per variant, joint, copy of its walls and cycle: ``status``, processor ``seconds``,
+        `ASSESSED` and `FEATURES` but the spread [SI], ``oracle_ratio``, and the ``error`` of walls
+        that could not be simulated.
+    ladder : list of str
+        Settings of the numerics, from the cheapest to the finest.
+    stated : str
+        Variant as the scene is stated.
+    within, budget : float
+        Request [1], and time [s] or None.
+    """
+
+    closures: pd.DataFrame
+    ladder: Sequence[str]
+    stated: str
+    within: float
+    budget: float | None = None
+
+    @cached_property
+    def differences(self) -> pd.DataFrame:
+        """Mean difference of each variant from its ``reference`` on the same walls, over its mean.
+
+        One row for each variant, quantity of `ASSESSED` and cycle: the difference with its 95 %
+        interval (``value``, ``low``, ``high`` [1]), and the ``seconds`` of a joint.
+        """
+        names = ["variant", "reference", "seconds", "quantity", "cycle", *Interval._fields]
+        rows = []
+        every = itertools.product(self._seconds.items(), ASSESSED, self._cycles)
+        for (variant, seconds), quantity, cycle in every:
+            reference = self.ladder[-1] if variant in self.ladder else self.stated
+            apart = self._apart((variant, reference), cycle, quantity)
+            rows.append((variant, reference, seconds, quantity, cycle, *apart))
+        return pd.DataFrame(rows, columns=names)
+
+    @cached_property
+    def hardness(self) -> pd.DataFrame:
+        """Verdict on each joint, the worst first: ``verdict``, ``reason``, and numbers behind it.
+
+        These are `FEATURES`, by the finest setting; only ``unbreakable_share`` is that of the
+        stated variant, the largest of all copies. Further columns are the ``nearest`` hard case,
+        the ``distance`` to it, and ``oracle_ratio``.
+        """
+        of_scene = self.closures[~lacks_effects(self.closures.variant)]
+        rows = [{"joint": joint} | self._hardness(own) for joint, own in of_scene.groupby("joint")]
+        return worst_first(pd.DataFrame(rows))
+
+    @property
+    def sentences(self) -> list[str]:
+        """Conclusions in words: convergence, limits of errors, and hardness."""
+        worst = self.hardness.iloc[0]
+        subject = "this joint" if self._lone else f"joint {worst.joint}"
+        words = f"{subject} is {worst.verdict} ({MEANINGS[worst.verdict]}): {worst.reason}"
+        return [*self._convergence(), self._of_joint() if self._lone else self._of_mean(), words]
+
+    @cached_property
+    def limits(self) -> pd.DataFrame:
+        """Limits of the numerical errors of a lone joint, which about nine in ten joints keep.
+
+        One row for each setting (``variant``), ``quantity`` of `LIMITED` and ``cycle``. The
+        ``limit`` [1] is a relative error, by which the result may be multiplied or divided: that of
+        the finest setting (`log_error_of_finest`), and for other settings also the largest
+        difference of a copy from the mean of the copies by the finest setting. It is NaN where
+        copies have no such result. Several joints, and joints without breakage, which have one
+        setting, have no limits.
+        """
+        rows = []
+        finest = self.ladder[-1]
+        for known in self.known_of_finest.itertuples():
+            of_result = known.quantity, known.cycle
+            least = log_error_of_finest(known.scatter, known.change, known.jump, *of_result)
+            middle = self._logs_of_copies(finest, *of_result).mean()
+            for name in self.ladder:
+                apart = np.abs(self._logs_of_copies(name, *of_result) - middle).max()
+                total = least if name == finest else least + float(apart)
+                rows.append((name, *of_result, math.expm1(total)))
+        return pd.DataFrame(rows, columns=["variant", "quantity", "cycle", "limit"])
+
+    @property
+    def known_of_finest(self) -> pd.DataFrame:
+        """What `log_error_of_finest` needs of a lone joint.
+
+        One row for each ``quantity`` of `LIMITED` and ``cycle``: ``scatter``, ``change`` and
+        ``jump`` [1]. Empty where there are no `limits`.
+        """
+        rows = []
+        if self._lone and len(self.ladder) > 1:
+            *others, finest = self.ladder
+            # a stated setting between those of the ladder is too close to the finest one
+            coarse = [name for name in others if name != self.stated or name in LADDER][-1]
+            jump = float(self.hardness.largest_jump[0])
+            for quantity, cycle in itertools.product(LIMITED, self._cycles):
+                both = [self._logs_of_copies(name, quantity, cycle) for name in (coarse, finest)]
+                change = both[0].mean() - both[1].mean()
+                scatter = np.sqrt(np.mean([logs.var(ddof=1) for logs in both]))
+                rows.append((quantity, cycle, float(scatter), float(change), jump))
+        return pd.DataFrame(rows, columns=["quantity", "cycle", "scatter", "change", "jump"])
+
+    @property
+    def price(self) -> pd.DataFrame:
+        """Seconds of each setting, differences from the finest one, and limits of errors (%).
+
+        The differences are those of net closure and net stiffness, by cycle. The limits, of a lone
+        joint, are the largest of net and gross closures, and of net stiffnesses, of all cycles.
+        """
+        table = self._table(False, (CLOSURE, STIFFNESS))
+        if len(self.limits):
+            for title, quantities in (("closures", JUDGED), ("stiffness", (STIFFNESS,))):
+                largest = self._largest_limits(quantities)
+                texts = [percent(largest[name]).removesuffix(" %") for name in table.index]
+                table[f"limit of error, {title} (%)"] = texts
+        return table
+
+    @property
+    def effects(self) -> pd.DataFrame:
+        """Seconds, changes (%), and verdict, one row per group of effects left out.
+
+        ``needed by`` names the results that make effects needed, see `needed_by`.
+        """
+        table = self._table(True, tuple(ASSESSED))
+        columns = {"verdict": self.verdict, "needed by": self.needed_by}
+        return table.assign(**{name: list(map(of, table.index)) for name, of in columns.items()})
+
+    def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
+        """Format the differences of settings, or of scenes without effects."""
+        rows: dict[str, dict[str, str]] = {}
+        asked = lacks_effects(self.differences.variant) == of_effects
+        asked &= self.differences.quantity.isin(quantities)
+        for row in self.differences[asked].itertuples():
+            shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
+            text = "reference" if row.variant == row.reference else percent_of(row)
+            shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
+        return pd.DataFrame.from_dict(rows, orient="index")
+
+    def verdict(self, variant: str) -> str:
+        """Return whether effects can be left out within the request, by `JUDGED` of all cycles."""
+        statuses = self.closures[self.closures.variant == variant].status
+        if is_given_up(statuses).any():
+            return GIVEN_UP
+        if (statuses >= FAILURE).any():
+            return NEEDED_AS_FAILS
+        rows = self.differences[self.differences.variant == variant]
+        return verdict_on_effects(rows, self.within)
+
+    def needed_by(self, variant: str) -> str:
+        """Return which results leave the request without effects, see `results_beyond`.
+
+        It is "" of effects that are not tested, whose other joints alone have results.
+        """
+        if self.verdict(variant) == GIVEN_UP:
+            return ""
+        return results_beyond(self.differences[self.differences.variant == variant], self.within)
+
+    def __str__(self) -> str:
+        effects = self.effects.filter(regex="^(?!net st|aperture)")
+        tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
+        lines = "\n".join(f"- {line}" for line in self.sentences)
+        return "\n\n".join([self.about_intervals, *tables, lines, self.conclusion])
+
+    @property
+    def about_intervals(self) -> str:
+        """Say what the differences in the tables are from, and what their brackets are."""
+        of = "copies of this joint, which should be equal" if self._lone else "the joints"
+        words = (
+            "Differences are from the finest setting, or from the joint with all effects. Brackets "
+            f"have 95 % intervals, from the scatter of {of}."
+        )
+        if len(self.limits):
+            words += (
+                " About nine in ten joints keep the limits of errors, which contain that of the "
+                "finest setting."
+            )
+        return words
+
+    @property
+    def conclusion(self) -> str:
+        """State the cheapest setting that meets the request, and the effects that are needed."""
+        asked = f"the request of {100 * self.within:g} %"
+        if self.budget is not None:
+            asked = f"the budget of {self.budget:g} s"
+        if self.hardness.verdict[0] == "not stable":
+            setting = f"no setting meets {asked}, because a joint is not stable"
+        else:
+            setting = self._best_for_joint(asked) if self._lone else self._best_for_mean(asked)
+        names = self._seconds.index.to_series()
+        groups: dict[str, list[str]] = {}
+        for variant in names[lacks_effects(names)]:
+            groups.setdefault(_IN_WORDS[self.verdict(variant)], []).append(effects_of(variant))
+        verdicts = [f"Effects that {words}: {'; '.join(groups[words])}." for words in groups]
+        return " ".join([f"Conclusion: {setting}.", *verdicts])
+
+    def _best_for_joint(self, asked: str) -> str:
+        """Name the setting by which a lone joint meets what is asked, with its error and time."""
+        seconds = self._seconds
+        reached = self._reached
+        budget = self.budget
+        limited, limit = (reached, self.within) if budget is None else (seconds, budget)
+        allowed = [n for n in self.ladder if math.isfinite(reached[n]) and limited[n] <= limit]
+        if not allowed:
+            return f"no setting meets {asked}"
+        name = min(allowed, key=lambda n: seconds[n] if budget is None else reached[n])
+        best = "cheapest" if budget is None else "most accurate"
+        return (
+            f"the {best} setting that meets {asked} is {name}; {self._error_of(name)}, and it "
+            f"takes {seconds[name]:.2g} s of processor time"
+        )
+
+    def _error_of(self, name: str) -> str:
+        """Say how large the errors of a lone joint by a setting may be."""
+        if not len(self.limits):
+            return f"its copies scatter by {percent(self._spread_of_copies[name])}"
+        stiffness = self._largest_limits((STIFFNESS,))[name]
+        of_stiffness = (
+            f"those of its net stiffnesses at most {percent(stiffness)}"
+            if math.isfinite(stiffness)
+            else "its net stiffnesses have no known limit"
+        )
+        return (
+            f"the errors of its net and gross closures are at most {percent(self._reached[name])}, "
+            f"and {of_stiffness} (about nine in ten joints keep such limits)"
+        )
+
+    def _best_for_mean(self, asked: str) -> str:
+        """Name the setting by which a mean meets what is asked, with its error and time."""
+        if (best := self._best_plan) is None:
+            return f"no setting meets {asked}"
+        name, plan = best
+        kind = "cheapest" if self.budget is None else "most accurate"
+        finest = self.ladder[-1]
+        error = f"its mean closures differ from those of {finest} by up to"
+        if name == finest:
+            error = "the half-width of its 95 % intervals is up to"
+        return (
+            f"the {kind} setting whose mean meets {asked} is {name}; {error} "
+            f"{percent(plan.half_width)} with {plan.joints} joints, which take "
+            f"{plan.seconds:.3g} s of processor time. The error of {finest} itself is not known"
+        )
+
+    @property
+    def _lone(self) -> bool:
+        return len(self.closures.joint.unique()) == 1
+
+    @cached_property
+    def _compared(self) -> pd.DataFrame:
+        """Rows of `closures` that are compared: a lone joint with its copies, or several joints."""
+        as_they_are = self.closures[self.closures.copy_of_walls == "as it is"]
+        return self.closures if self._lone else as_they_are
+
+    @cached_property
+    def _seconds(self) -> pd.Series:
+        """Mean processor time of a joint [s] by variant."""
+        return self._compared.groupby("variant", sort=False).seconds.mean()
+
+    @property
+    def _cycles(self) -> list[int]:
+        return sorted(self._compared.cycle.unique())
+
+    def _paired(
+        self, variants: Sequence[str], cycle: int, quantity: str
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return values (n,) of two variants in a cycle, of the walls on which both succeeded."""
+        rows = self._compared[self._compared.cycle == cycle]
+        one, two = (rows.loc[rows.variant == name, quantity].to_numpy(float) for name in variants)
+        known = np.isfinite(one) & np.isfinite(two)
+        return one[known], two[known]
+
+    def _apart(self, variants: Sequence[str], cycle: int, quantity: str) -> Interval:
+        """Return the relative difference of the means of two variants, with its interval."""
+        one, two = self._paired(variants, cycle, quantity)
+        if not one.size:
+            return Interval(math.nan, -math.inf, math.inf)
+        return change_interval((one - two) / two.mean())
+
+    def _hardness(self, own: pd.DataFrame) -> dict[str, Any]:
+        """Return a row of `hardness` from the rows of `closures` of a joint."""
+        copies = own[own.variant == self.stated]
+        features = features_of(own, self.stated, self.ladder[-1])
+        nearest, distance = nearest_hard_case(features)
+        share = float(copies.unbreakable_share.max())
+        judged = float(own.oracle_ratio.max())
+        failed = own[~(own.status < FAILURE)]
+        verdict = "not stable"
+        if len(failed):
+            first = failed.iloc[0]
+            flags = (n for bit, n in FLAGS.items() if not first.error and int(first.status) & bit)
+            reason = f"{first.variant} ({first.copy_of_walls}): {first.error or ', '.join(flags)}"
+        elif judged > 1.0:
+            found = f"a state {judged:.2g} times beyond a limit"
+            reason = f"the independent implementation finds {found}"
+        elif features["spread"] > NOT_STABLE:
+            reason = (
+                f"net closures of equal copies scatter by {percent(features['spread'])} (not "
+                f"stable: more than {100 * NOT_STABLE:.0f} %)"
+            )
+        else:
+            agrees = features["spread"] <= 0.5 * self.within
+            jumps = features["largest_jump"] > self.within
+            easy = agrees and not jumps and share <= LARGEST_UNBREAKABLE_SHARE
+            verdict = "easy" if easy else "hard"
+            spreads = (f"{percent(x)} on cycle {n}" for n, x in spread_of(copies).items())
+            reason = (
+                f"net closures of equal copies scatter by {', '.join(spreads)} (easy: "
+                f"{50 * self.within:.2g} %), {percent(share)} of its force is on contacts that "
+                f"cannot break (easy: {100 * LARGEST_UNBREAKABLE_SHARE:.0f} %), and the largest "
+                f"jump is {percent(features['largest_jump'])} of its closure (easy: "
+                f"{100 * self.within:.2g} %)"
+            )
+        row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
+        return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
+
+    def _convergence(self) -> list[str]:
+        """Describe for each cycle whether closures converge for ever finer resolved breakage."""
+        lines = []
+        ladder = self.ladder
+        for cycle in self._cycles if len(ladder) > 2 else ():
+            lasts = {name: self._apart(ladder[-2:], cycle, name) for name in JUDGED}
+            known = [name for name in JUDGED if math.isfinite(lasts[name].value)]
+            judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
+            coarse = self._apart(ladder[-3:-1], cycle, judged)
+            last = lasts[judged]
+            found = {
+                True: "it converges within the request",
+                False: "it does not converge within the request",
+                None: "these joints do not show whether it converges within the request",
+            }[last.within(self.within)]
+            if coarse.within(0.0) is False and last.within(0.0) is False:
+                order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
+                found += (
+                    f" (observed order {order:.2g})"
+                    if order >= LEAST_ORDER
+                    else f" (the change before, with {ladder[-3]}, was hardly larger or smaller)"
+                )
+            lines.append(
+                f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
+                f"{percent_of(last)} %: {found}"
+            )
+        return lines
+
+    def _of_joint(self) -> str:
+        """Describe the errors of a lone joint by the finest setting, and what is not possible."""
+        finest = self.ladder[-1]
+        budget = self.budget
+        seconds = self._seconds
+        scatter = self._spread_of_copies[finest]
+        if not math.isfinite(scatter):
+            return f"no error can be stated, because copies failed with {finest}"
+        if budget is not None and budget < (least := float(seconds[self.ladder].min())):
+            return f"budget = {budget:g} s: a joint takes at least {least:.2g} s"
+        takes = f"it takes {seconds[finest]:.2g} s of processor time"
+        if len(self.ladder) == 1:
+            only = "a joint without breakage has no setting that limits its accuracy"
+            return f"{only}: its copies scatter by {percent(scatter)}, and {takes}"
+        lines = (
+            f"by {finest}, the finest setting, {self._error_of(finest)}; net and gross closures of "
+            f"its copies scatter by up to {percent(scatter)}, and {takes}"
+        )
+        reached = self._reached
+        best = min(reached, key=lambda name: reached[name])
+        if budget is None and reached[best] > self.within:
+            cause = (
+                ", as its copies, which should be equal, scatter more than that (the model does "
+                "not determine the order of breakage)"
+                if scatter > self.within
+                else ""
+            )
+            lines = (
+                f"the request of {100 * self.within:g} % cannot be met{cause}: the least limit of "
+                f"the errors of net and gross closures is {percent(reached[best])}, by {best}; "
+            ) + lines
+        return lines
+
+    def _logs_of_copies(self, variant: str, quantity: str, cycle: int) -> np.ndarray:
+        """Return logarithms of a result of all copies (n,), NaN where it is not positive."""
+        rows = self.closures[(self.closures.variant == variant) & (self.closures.cycle == cycle)]
+        values = rows[quantity].to_numpy(float)
+        return np.log(values, out=np.full(values.shape, math.nan), where=values > 0.0)
+
+    def _largest_limits(self, quantities: Sequence[str]) -> pd.Series:
+        """Return the largest limits of results [1] by setting, infinite if one is not known."""
+        rows = self.limits[self.limits.quantity.isin(quantities)].fillna({"limit": math.inf})
+        return rows.groupby("variant").limit.max()
+
+    @property
+    def _reached(self) -> Mapping[str, float]:
+        """Largest limits of the errors of closures of a lone joint [1] by setting.
+
+        Those of a joint without breakage are the scatter of its copies.
+        """
+        if not len(self.limits):
+            return self._spread_of_copies
+        return dict(self._largest_limits(JUDGED)[list(self.ladder)])
+
+    @property
+    def _spread_of_copies(self) -> dict[str, float]:
+        """Largest relative deviation among copies of a lone joint [1], by setting."""
+        settings = ((name, self.closures[self.closures.variant == name]) for name in self.ladder)
+        return {
+            name: max(float(spread_of(rows, judged).max()) for judged in JUDGED)
+            for name, rows in settings
+        }
+
+    def _of_mean(self) -> str:
+        """Describe how many joints a mean within the request takes, or what a budget allows."""
+        finest = self.ladder[-1]
+        budget = self.budget
+        best = self._best_plan
+        if best is None and budget is None:
+            return f"no mean can be planned, as fewer than two joints succeeded with {finest}"
+        if best is None:
+            least = FEWEST_DIFFERENCES * float(self._seconds[finest])
+            return f"budget = {budget:g} s: buys no mean, which takes at least {least:.2g} s"
+        name, plan = best
+        halves = []
+        further = f", {plan.differences} of them with {finest} too" if name != finest else ""
+        for cycle in self._cycles:
+            closed = (self._paired((finest, finest), cycle, judged)[0] for judged in JUDGED)
+            means = [t_interval(values) for values in closed if values.size]
+            half = max(mean.high / mean.value - 1.0 for mean in means)
+            halves.append(f"{percent(half)} on cycle {cycle}")
+        return (
+            f"a mean within {percent(plan.half_width)} of the finest setting takes "
+            f"{plan.joints} joints with {name}{further}: {plan.seconds:.3g} s of processor time "
+            f"(deviations of {self.closures.joint.nunique()} joints; their mean is known to "
+            f"{', '.join(halves)})"
+        )
+
+    @property
+    def _best_plan(self) -> tuple[str, Plan] | None:
+        """Setting with the cheapest plan, or with the most accurate one within a budget."""
+        plans = {name: plan for name in self.ladder if (plan := self._plan(name))}
+        of = "seconds" if self.budget is None else "half_width"
+        return min(plans.items(), key=lambda each: getattr(each[1], of), default=None)
+
+    def _plan(self, name: str) -> Plan | None:
+        """Return the plan of a mean with a setting that suffices for all judged closures.
+
+        It is None if there is none for one of them.
+        """
+        finest = self.ladder[-1]
+        plans = list[Plan | None]()
+        cost = float(self._seconds[name])
+        both = cost + float(self._seconds[finest]) if name != finest else 0.0
+        for at in itertools.product(self._cycles, JUDGED):
+            cheap, best = self._paired((name, finest), *at)
+            if best.size > 1:
+                first, second = (
+                    float(np.std(v, ddof=1) / best.mean()) for v in (cheap, best - cheap)
+                )
+                plans.append(best_plan((first, second), (cost, both), self.within, self.budget))
+        possible = [plan for plan in plans if plan]
+        if len(possible) < max(1, len(plans)):
+            return None
+        return max(possible, key=lambda plan: (plan.seconds, plan.half_width))
+
+
+_LEAST_WIDTH = 0.01
+"""Width of an interval [%] below which a difference has no more than two decimals."""
+
+
+def percent_of(row: Any) -> str:
+    """Format an interval of relative differences in percent, without the percent sign."""
+    if math.isnan(row.value):
+        return "no value"
+    if not math.isfinite(row.low):
+        return f"{float(f'{100 * row.value:.2g}'):+g}"
+    percents = [100 * number for number in (row.value, row.low, row.high)]
+    if percents[2] - percents[1] < _LEAST_WIDTH < abs(percents[0]):  # copies are equal
+        percents = [round(number, 2) for number in percents]
+    ends = with_equal_decimals(percents)
+    value, low, high = (end if end.startswith("-") or not float(end) else f"+{end}" for end in ends)
+    return f"{value} ({low} to {high})"
