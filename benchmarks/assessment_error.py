@@ -6,9 +6,10 @@ tolerance, from whose results the true errors are taken. A true error is the fac
 and that by an eighth of the finest tolerance, or its inverse, less 1. Joints that take more than
 `LONGEST` seconds by the tolerance of `jointclosure close` are left out.
 
-`python benchmarks/assessment_error.py` writes joints.csv and coverage.csv, and goes on with the
-joints that its folder has. ``--compare FOLDER ...`` fits the weights of the limit by the finest
-setting to the joints of these folders. Those of the package are of joints of seeds 31 and 51.
+`python benchmarks/assessment_error.py` writes joints.csv, coverage.csv and largest.csv, and goes
+on with the joints that its folder has. ``--compare FOLDER ...`` fits the weights of the limit by
+the finest setting to the joints of these folders. Those of the package are of joints of seeds 31
+and 51.
 """
 
 import os
@@ -24,7 +25,7 @@ import pandas as pd
 from numerical_error import fitted_weights, joint_of
 
 from jointclosure.assessment.assess import assessed_variants, closures_of
-from jointclosure.assessment.assessed_results import ASSESSED
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED, STIFFNESS
 from jointclosure.assessment.assessment import Assessment
 from jointclosure.assessment.finest_error import WEIGHTS
 from jointclosure.assessment.numerical_settings import FINEST, LADDER
@@ -99,6 +100,24 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
     ).reset_index()
 
 
+def largest_of(errors: pd.DataFrame) -> pd.DataFrame:
+    """Count the joints whose largest error is within their largest limit, as `assess` prints it.
+
+    A row for each setting, and for closures (net and gross) and stiffness: of all cycles.
+    """
+    tables = []
+    for of, quantities in (("closures", JUDGED), ("stiffness", (STIFFNESS,))):
+        known = errors[errors.result.isin(quantities)].dropna(subset=["stated", "true"])
+        largest = known.groupby(["setting", "joint"], sort=False)[["stated", "true"]].max()
+        largest["inside"] = largest.true <= largest.stated
+        largest["over"] = largest.stated / largest.true
+        table = largest.groupby("setting", sort=False).agg(
+            joints=("inside", "size"), inside=("inside", "sum"), stated_over_true=("over", "median")
+        )
+        tables.append(table.reset_index().assign(of=of))
+    return pd.concat(tables, ignore_index=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--joints", type=int, default=100)
@@ -128,7 +147,9 @@ def main() -> None:
             joints = pd.concat([joints, new]) if len(joints) else new
             write_csv(joints, file)
         print(f"joint {number}", flush=True)
-    table = coverage_of(compared(joints))
+    errors = compared(joints)
+    write_csv(largest_of(errors), asked.output / "largest.csv")
+    table = coverage_of(errors)
     table = table.assign(left_out=asked.joints - joints.joint.nunique(), longest_s=LONGEST)
     print(table.to_string(index=False))
     write_csv(table, asked.output / "coverage.csv")
