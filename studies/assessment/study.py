@@ -111,14 +111,14 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
 
 
 def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw errors [%] of settings beside each other, the fastest first; ticks are names and times.
+    """Draw errors [%] of settings beside each other, in their order; ticks are names and times.
 
     Marks of gross closure are hollow. A band has the request ``within`` [%].
     """
     axes.axhspan(-within, within, color="0.9", lw=0.0, zorder=0)
     axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
     variants = list(dict.fromkeys(settings.variant))
-    seconds = settings.groupby("variant").seconds.first().sort_values()
+    seconds = settings.groupby("variant", sort=False).seconds.first()
     groups = list(itertools.product(JUDGED, sorted(settings.cycle.unique())))
     for number, (quantity, cycle) in enumerate(groups):
         rows = settings[(settings.quantity == quantity) & (settings.cycle == cycle)]
