@@ -191,7 +191,8 @@ QUANTITIES: dict[str, Quantity] = {
         "initial net stiffness kni", "Pa/m", CYCLE,
         lambda joint: 1e9 * joint.hyperbola("kni_MPa_per_mm"), r"k_\mathrm{ni}", _OF_LAW),
     "vm_net": Quantity(
-        "asymptotic net closure Vm of the hyperbola", "m", CYCLE, lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
+        "asymptotic net closure Vm of the hyperbola", "m", CYCLE,
+        lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
         r"V_\mathrm{m}", _OF_LAW),
     "rms_height": Quantity(
         "rms of the summed heights", "m", (), lambda joint: float(np.std(joint.summed)), "R_q"),
