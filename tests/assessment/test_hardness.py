@@ -80,3 +80,15 @@ def test_joints_are_easy_up_to_a_tenth_of_force_that_cannot_break(share, verdict
 def test_joints_are_easy_up_to_a_jump_of_the_request(jump, verdict):
     closed = closures(scatter=1e-4, largest_jump=jump)
     assert Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0] == verdict
+
+
+def test_the_scatter_of_finer_settings_counts_too():
+    """Copies may break in the same order by the stated setting, and in another by a finer one."""
+    closed = closures(scatter=0.0, joints=1, middle=0.001)
+    copies = (closed.copy_of_walls == "mirrored") & (closed.variant == "fine")
+    assert Assessment(closed, LADDER, "middle", 0.05).hardness.verdict[0] == "easy"
+    closed.loc[copies, list(ASSESSED)] *= 1.1
+    hardness = Assessment(closed, LADDER, "middle", 0.05).hardness
+    assert hardness.verdict[0] == "hard"
+    assert "scatter by 6.7 % on cycle 1" in hardness.reason[0]
+    assert Assessment(closed, LADDER, "coarse", 0.05).hardness.verdict[0] == "hard"

@@ -15,11 +15,12 @@ from jointclosure.cli import main as cli
 from jointclosure.cli.command_results import _flow_remarks, summary
 from jointclosure.exports import loading
 from jointclosure.exports.geos import OPENING_SLOPE, geos_barton_bandis, geos_files
+from jointclosure.exports.hyperbola import fitted_loading
 from jointclosure.exports.joint_files import joint_files
 from jointclosure.exports.porepy import porepy_files
 from jointclosure.exports.udec_3dec import barton_bandis_commands, itasca_tables
 from jointclosure.exports.vtu import fracture_mesh
-from jointclosure.inputs.remarks import cautions
+from jointclosure.inputs.remarks import cautions, without_word
 from jointclosure.joint import flow
 from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
@@ -652,9 +653,23 @@ def test_fish_says_how_far_the_stiffness_of_the_hyperbola_is_from_that_of_the_jo
 def test_the_misfit_of_the_hyperbola_is_stated_once_for_porepy_too(history):
     files, remarks = joint_files(history, stress_table(history), LAWS, 2)
     (stated,) = (line for line in remarks if "the stiffness of the fitted hyperbola" in line)
-    assert stated.startswith("PorePy, UDEC, 3DEC, of cycle 2: ")
+    assert without_word(stated).startswith("PorePy, UDEC, 3DEC, of cycle 2: ")
     misfit = stated.partition("hyperbola ")[2].partition("; its closures")[0]
     assert misfit in files["barton_bandis.dat"]
+
+
+@pytest.mark.parametrize(("stiffer", "warned"), [(1.4, False), (1.6, True)])
+def test_a_hyperbola_whose_stiffness_is_far_from_that_of_the_joint_is_warned_of(
+    history, stiffer, warned
+):
+    """With a factor, the stiffness of the joint is that of its own hyperbola times a number."""
+    table = stress_table(history)
+    law = fitted_loading(history, table, 2).hyperbolas[""]
+    above = 1e6 * table.normal_stress_MPa - history_of(history).seating_stress
+    kn = law.stiffness * (1.0 + above / (law.stiffness * law.largest_closure)) ** 2
+    own = table.assign(normal_stiffness_net_MPa_per_mm=1e-9 * kn / stiffer)
+    (stated,) = (n for n in fitted_loading(history, own, 2).remarks if "fitted hyperbola" in n)
+    assert bool(cautions([stated])) == warned
 
 
 @pytest.fixture(scope="module")

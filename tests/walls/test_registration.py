@@ -17,7 +17,7 @@ from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
-from jointclosure.walls import motion, plausibility, registration, wall_files
+from jointclosure.walls import plausibility, registration, rotation_search, wall_files
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
 from jointclosure.walls.mating import Mismatch
 from jointclosure.walls.motion import Motion
@@ -43,7 +43,7 @@ EXAMPLES = settings(max_examples=8, deadline=None, derandomize=True)
 def few_rotations(request, monkeypatch):
     """Compare walls every 30 degrees, except in tests of walls that were turned."""
     if not {"number", "two_walls"} & set(request.fixturenames):
-        monkeypatch.setattr(motion, "ROTATION_STEP", 30.0)
+        monkeypatch.setattr(rotation_search, "ROTATION_STEP", 30.0)
 
 
 @pytest.fixture(scope="module")
@@ -253,7 +253,7 @@ def orientations(joint):
     scans = scanned(joint[0]), grid(joint[1])
     meant = {"orientation": "towards", "shift": "scanned", "unusual_values": True}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(motion, "ROTATION_STEP", 30.0)
+        patch.setattr(rotation_search, "ROTATION_STEP", 30.0)
         return registered(*scans), registered(*scans, **meant)
 
 

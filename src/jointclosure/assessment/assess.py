@@ -89,9 +89,9 @@ def assess(
         out, in (0, 1). Errors of a lone joint contain that of the finest setting; those of means
         are differences from the finest setting.
     budget : float, optional
-        Processor time [s] of the joint, or of all joints of a mean for several pairs of walls. If
-        given, the most accurate setting within this time is named, in place of the cheapest one
-        within the request.
+        Processor time in seconds of the joint, or of all joints of a mean for several pairs of
+        walls. If given, the most accurate setting within this time is named, in place of the
+        cheapest one within the request.
     folder : path, optional
         Existing folder where simulated joints are kept, so that an interrupted assessment can
         continue.
@@ -114,6 +114,7 @@ def assess(
     """
     stated = conditions_from(conditions, changes, "assess", defaults=SCAN_DEFAULTS)
     given = checked_request(stated, within, budget)
+    number_of_workers(workers)
     if folder is not None and not Path(folder).is_dir():
         raise InputError(f"folder = {str(folder)!r}: must be an existing folder")
     pairs, spacing = checked_pairs(walls, given)
@@ -152,9 +153,9 @@ def checked_request(
 
     Raise `InputError` if they, the requested error [1] or the budget [s] are not allowed.
     """
-    check_below("within", within, 1.0)
+    check_below("within", within, 1.0, " (0.05 stands for 5 %)")
     if budget is not None:
-        check_below("budget", budget, 1e9)  # thirty years [s]
+        check_below("budget", budget, 1e9, " s")  # thirty years
     return checked_as_stated(stated, varied=True)
 
 

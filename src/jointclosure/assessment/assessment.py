@@ -59,7 +59,7 @@ LEAST_ORDER = 0.2
 """Least observed order that is stated. With a smaller one a tolerance of a fifth has an error of
 more than 0.7 times as much: the errors do not decrease."""
 _IN_WORDS = {
-    "can be left out": "may be left out",
+    "can be left out": "may each be left out alone",
     "needed": "must be kept",
     NEEDED_AS_FAILS: "must be kept",
     "not decided": "are not decided",
@@ -124,7 +124,10 @@ class Assessment:
     def sentences(self) -> list[str]:
         """Conclusions in words: convergence, limits of errors, and hardness."""
         worst = self.hardness.iloc[0]
-        subject = "this joint" if self._lone else f"joint {worst.joint}"
+        count = self.closures.joint.nunique()
+        subject = f"of {count} joints the hardest (number {worst.joint}, from 0)"
+        if self._lone:
+            subject = "this joint"
         words = f"{subject} is {worst.verdict} ({MEANINGS[worst.verdict]}): {worst.reason}"
         return [*self._convergence(), self._of_joint() if self._lone else self._of_mean(), words]
 
@@ -190,11 +193,16 @@ class Assessment:
     def effects(self) -> pd.DataFrame:
         """Seconds, changes (%), and verdict, one row per group of effects left out.
 
+        ``over all effects`` is the time relative to that of the joint with all effects.
+
         ``needed by`` names the results that make effects needed, see `needed_by`.
         """
         table = self._table(True, tuple(ASSESSED))
         columns = {"verdict": self.verdict, "needed by": self.needed_by}
-        return table.assign(**{name: list(map(of, table.index)) for name, of in columns.items()})
+        table = table.assign(**{name: list(map(of, table.index)) for name, of in columns.items()})
+        time = self._seconds / self._seconds[self.stated]
+        table.insert(1, "over all effects", [f"{time[name]:.2g}" for name in table.index])
+        return table
 
     def _table(self, of_effects: bool, quantities: tuple[str, ...]) -> pd.DataFrame:
         """Format the differences of settings, or of scenes without effects."""
@@ -220,10 +228,15 @@ class Assessment:
     def needed_by(self, variant: str) -> str:
         """Return which results leave the request without effects, see `results_beyond`.
 
-        It is "" of effects that are not tested, whose other joints alone have results.
+        If joints fail without them, it is their status in words. It is "" of effects that are not
+        tested, whose other joints alone have results.
         """
-        if self.verdict(variant) == GIVEN_UP:
+        verdict = self.verdict(variant)
+        if verdict == GIVEN_UP:
             return ""
+        if verdict == NEEDED_AS_FAILS:
+            statuses = self.closures.status[self.closures.variant == variant].dropna().astype(int)
+            return ", ".join(n for bit, n in FLAGS.items() if (statuses & bit).any())
         return results_beyond(self.differences[self.differences.variant == variant], self.within)
 
     def __str__(self) -> str:
@@ -240,6 +253,11 @@ class Assessment:
             "Differences are from the finest setting, or from the joint with all effects. Brackets "
             f"have 95 % intervals, from the scatter of {of}."
         )
+        if self._lone:
+            words += (
+                " A difference without brackets is equal on all copies, which does not say how "
+                "well it is known."
+            )
         if len(self.limits):
             words += (
                 " About nine in ten joints keep the limits of errors, which contain that of the "
@@ -271,8 +289,14 @@ class Assessment:
         budget = self.budget
         limited, limit = (reached, self.within) if budget is None else (seconds, budget)
         allowed = [n for n in self.ladder if math.isfinite(reached[n]) and limited[n] <= limit]
+        if not allowed and budget is None:
+            least = min(reached, key=lambda name: reached[name])
+            return f"no setting is shown to meet {asked}; the least limit has {least}: " + (
+                f"{self._error_of(least)}{self._remedy}"
+            )
         if not allowed:
-            return f"no setting meets {asked}"
+            least_time = float(seconds[list(self.ladder)].min())
+            return f"no setting meets {asked}, as a joint takes at least {least_time:.2g} s"
         name = min(allowed, key=lambda n: seconds[n] if budget is None else reached[n])
         best = "cheapest" if budget is None else "most accurate"
         return (
@@ -286,14 +310,25 @@ class Assessment:
             return f"its copies scatter by {percent(self._spread_of_copies[name])}"
         stiffness = self._largest_limits((STIFFNESS,))[name]
         of_stiffness = (
-            f"those of its net stiffnesses at most {percent(stiffness)}"
+            f"{percent(stiffness)} for net stiffnesses"
             if math.isfinite(stiffness)
-            else "its net stiffnesses have no known limit"
+            else "none is known for net stiffnesses"
         )
         return (
-            f"the errors of its net and gross closures are at most {percent(self._reached[name])}, "
+            f"limits of the error are {percent(self._reached[name])} for net and gross closures, "
             f"and {of_stiffness} (about nine in ten joints keep such limits)"
         )
+
+    @property
+    def _remedy(self) -> str:
+        """Say what may give a lone joint a smaller limit, or why nothing does."""
+        finest = self.ladder[-1]
+        if self._spread_of_copies[finest] > self.within:
+            return (
+                "; its copies, which should be equal, scatter more than the request, because the "
+                "model does not determine the order of breakage"
+            )
+        return "; a stated tolerance below that of the finest setting may have a smaller limit"
 
     def _best_for_mean(self, asked: str) -> str:
         """Name the setting by which a mean meets what is asked, with its error and time."""
@@ -350,6 +385,7 @@ class Assessment:
         """Return a row of `hardness` from the rows of `closures` of a joint."""
         copies = own[own.variant == self.stated]
         features = features_of(own, self.stated, self.ladder[-1])
+        scatter = self._scatter_by_cycle(own)
         nearest, distance = nearest_hard_case(features)
         share = float(copies.unbreakable_share.max())
         judged = float(own.oracle_ratio.max())
@@ -362,17 +398,17 @@ class Assessment:
         elif judged > 1.0:
             found = f"a state {judged:.2g} times beyond a limit"
             reason = f"the independent implementation finds {found}"
-        elif features["spread"] > NOT_STABLE:
+        elif scatter.max() > NOT_STABLE:
             reason = (
-                f"net closures of equal copies scatter by {percent(features['spread'])} (not "
+                f"net closures of equal copies scatter by {percent(scatter.max())} (not "
                 f"stable: more than {100 * NOT_STABLE:.0f} %)"
             )
         else:
-            agrees = features["spread"] <= 0.5 * self.within
+            agrees = scatter.max() <= 0.5 * self.within
             jumps = features["largest_jump"] > self.within
             easy = agrees and not jumps and share <= LARGEST_UNBREAKABLE_SHARE
             verdict = "easy" if easy else "hard"
-            spreads = (f"{percent(x)} on cycle {n}" for n, x in spread_of(copies).items())
+            spreads = (f"{percent(x)} on cycle {n}" for n, x in scatter.items())
             reason = (
                 f"net closures of equal copies scatter by {', '.join(spreads)} (easy: "
                 f"{50 * self.within:.2g} %), {percent(share)} of its force is on contacts that "
@@ -382,6 +418,15 @@ class Assessment:
             )
         row = {"verdict": verdict} | features | {"unbreakable_share": share, "nearest": nearest}
         return row | {"distance": distance, "oracle_ratio": judged, "reason": reason}
+
+    def _scatter_by_cycle(self, own: pd.DataFrame) -> pd.Series:
+        """Return the scatter of copies by cycle [1]: the largest of the stated and finer settings.
+
+        ``own`` are the rows of `closures` of a joint.
+        """
+        fine = self.ladder[self.ladder.index(self.stated) :]
+        by_setting = [spread_of(own[own.variant == name]) for name in fine]
+        return pd.concat(by_setting, axis=1).max(axis=1)
 
     def _convergence(self) -> list[str]:
         """Describe for each cycle whether closures converge for ever finer resolved breakage."""
@@ -393,21 +438,24 @@ class Assessment:
             judged = max(known, key=lambda name: lasts[name].most) if known else CLOSURE
             coarse = self._apart(ladder[-3:-1], cycle, judged)
             last = lasts[judged]
+            converges = last.within(self.within)
+            if converges and self._lone and self._reached[ladder[-1]] > self.within:
+                converges = None  # copies may agree although their error is larger
             found = {
                 True: "it converges within the request",
                 False: "it does not converge within the request",
-                None: "these joints do not show whether it converges within the request",
-            }[last.within(self.within)]
+                None: "whether it converges within the request is not shown",
+            }[converges]
             if coarse.within(0.0) is False and last.within(0.0) is False:
                 order = math.log(abs(coarse.value / last.value)) / math.log(REFINEMENT)
                 found += (
                     f" (observed order {order:.2g})"
                     if order >= LEAST_ORDER
-                    else f" (the change before, with {ladder[-3]}, was hardly larger or smaller)"
+                    else f" (from {ladder[-3]} to {ladder[-2]} it changes hardly more, or less)"
                 )
             lines.append(
-                f"cycle {cycle}, {ASSESSED[judged]} with {ladder[-2]} from that with {ladder[-1]}: "
-                f"{percent_of(last)} %: {found}"
+                f"cycle {cycle}: the {ASSESSED[judged]} with {ladder[-2]} differs from that with "
+                f"{ladder[-1]} by {percent_of(last)} %: {found}"
             )
         return lines
 
@@ -419,30 +467,16 @@ class Assessment:
         scatter = self._spread_of_copies[finest]
         if not math.isfinite(scatter):
             return f"no error can be stated, because copies failed with {finest}"
-        if budget is not None and budget < (least := float(seconds[self.ladder].min())):
+        if budget is not None and budget < (least := float(seconds[list(self.ladder)].min())):
             return f"budget = {budget:g} s: a joint takes at least {least:.2g} s"
         takes = f"it takes {seconds[finest]:.2g} s of processor time"
         if len(self.ladder) == 1:
             only = "a joint without breakage has no setting that limits its accuracy"
             return f"{only}: its copies scatter by {percent(scatter)}, and {takes}"
-        lines = (
+        return (
             f"by {finest}, the finest setting, {self._error_of(finest)}; net and gross closures of "
             f"its copies scatter by up to {percent(scatter)}, and {takes}"
         )
-        reached = self._reached
-        best = min(reached, key=lambda name: reached[name])
-        if budget is None and reached[best] > self.within:
-            cause = (
-                ", as its copies, which should be equal, scatter more than that (the model does "
-                "not determine the order of breakage)"
-                if scatter > self.within
-                else ""
-            )
-            lines = (
-                f"the request of {100 * self.within:g} % cannot be met{cause}: the least limit of "
-                f"the errors of net and gross closures is {percent(reached[best])}, by {best}; "
-            ) + lines
-        return lines
 
     def _logs_of_copies(self, variant: str, quantity: str, cycle: int) -> np.ndarray:
         """Return logarithms of a result of all copies (n,), NaN where it is not positive."""
@@ -529,7 +563,7 @@ class Assessment:
 
 
 _LEAST_WIDTH = 0.01
-"""Width of an interval [%] below which a difference has no more than two decimals."""
+"""Width of an interval [%] below which a difference has no interval, as copies are equal."""
 
 
 def percent_of(row: Any) -> str:
@@ -539,8 +573,8 @@ def percent_of(row: Any) -> str:
     if not math.isfinite(row.low):
         return f"{float(f'{100 * row.value:.2g}'):+g}"
     percents = [100 * number for number in (row.value, row.low, row.high)]
-    if percents[2] - percents[1] < _LEAST_WIDTH < abs(percents[0]):  # copies are equal
-        percents = [round(number, 2) for number in percents]
+    if percents[2] - percents[1] < _LEAST_WIDTH:  # copies break in the same order
+        return f"{percents[0]:+.2g}" if abs(percents[0]) >= _LEAST_WIDTH else "0.00"
     ends = with_equal_decimals(percents)
     value, low, high = (end if end.startswith("-") or not float(end) else f"+{end}" for end in ends)
     return f"{value} ({low} to {high})"

@@ -14,6 +14,7 @@ from typing import Any
 from jointclosure.assessment.assess import assess, assess_as_checked, checked_request
 from jointclosure.cli import command_results, options
 from jointclosure.execution.progress import bar
+from jointclosure.execution.workers import number_of_workers
 from jointclosure.joint.checked_conditions import on_grid
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import RESOLVED
@@ -24,7 +25,7 @@ def declare(command: argparse.ArgumentParser) -> None:
     options.add_walls(command)
     options.add_conditions(command, RESOLVED, states=False)
     asked = command.add_argument_group("request")
-    options.add_keywords(asked, assess, "within", "budget")
+    options.add_keywords(asked, assess, "within", "budget", "workers")
     text = "folder of the results (default assessed_joint)"
     in_python = ("--folder",)
     default = Path("assessed_joint")
@@ -35,6 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Assess the joint and write its folder; return 1 if it is not stable."""
     _, stated = options.keywords(arguments, Conditions, RESOLVED, "max_normal_stress")
     asked = options.given(arguments, ("within", "budget"))
+    workers = options.given(arguments, ("workers",))
+    number_of_workers(workers.get("workers"))
     spacing = stated.pop("spacing", None)
     checked = checked_request(Conditions(spacing=spacing, **stated), **asked)
     scans, grid = (options.given(arguments, names) for names in (options.SCANS, options.PLACES))
@@ -46,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     with bar("closing") as show:
         joint = [(pair.upper, pair.lower)]
         conditions = on_grid(checked, pair.spacing)
-        kept = {"folder": arguments.output, "report": show}
+        kept = {"folder": arguments.output, "report": show, **workers}
         assessment = assess_as_checked(joint, conditions, **asked, **kept)
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)

@@ -358,7 +358,7 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
 
 def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
     """Name the stresses of `stress_table` at which the flow is blocked, or known by bounds only."""
-    reached = curves.dropna(subset=_NAMED[0])
+    reached = curves.dropna(subset=[_CLOSURE])
     aperture = reached.hydraulic_aperture_mm
     cases = {
         "the hydraulic aperture is 0, as the flow is blocked,": aperture == 0.0,

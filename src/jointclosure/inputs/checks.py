@@ -71,11 +71,14 @@ def check_sizes(name: str, values: np.ndarray) -> None:
         )
 
 
-def check_below(name: str, value: float, limit: float) -> None:
-    """Raise `InputError` unless a number lies between 0 and a limit, both excluded."""
+def check_below(name: str, value: float, limit: float, about: str = "") -> None:
+    """Raise `InputError` unless a number lies between 0 and a limit, both excluded.
+
+    The message ends with what is said ``about`` the number.
+    """
     check_number(name, value)
     if not 0.0 < value < limit:
-        raise InputError(f"{name} = {value!r}: must lie between 0 and {limit:g}")
+        raise InputError(f"{name} = {value!r}: must lie between 0 and {limit:g}{about}")
 
 
 def check_number(name: str, value: object, whole: bool = False) -> None:

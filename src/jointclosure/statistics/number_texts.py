@@ -97,12 +97,18 @@ def _with_places(value: float, places: int) -> str:
     return f"{round(value, places) + 0.0:.{max(places, 0)}f}"
 
 
+LEAST_SHARE = 1e-6
+"""Share below which `percent` does not state its size."""
+
+
 def percent(share: float) -> str:
     """Format a share in percent, without an exponent: two digits below 10 %, whole percent above.
 
-    >>> percent(0.034), percent(2.0)
-    ('3.4 %', '200 %')
+    >>> percent(0.034), percent(2.0), percent(3e-12)
+    ('3.4 %', '200 %', 'less than 0.0001 %')
     """
+    if 0.0 < abs(share) < LEAST_SHARE:
+        return f"less than {percent_number(100.0 * LEAST_SHARE)} %"
     return f"{percent_number(100.0 * share)} %"
 
 
