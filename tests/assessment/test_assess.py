@@ -1,14 +1,23 @@
 """Assessment of joints: its variants, their simulation, and what it refuses."""
 
+import re
+
 import numpy as np
 import pytest
 
 import jointclosure as jc
 from jointclosure.assessment import assess as module
-from jointclosure.assessment.assess import MOST_BREAKAGE_STEPS, assessed_variants
+from jointclosure.assessment.assess import (
+    MOST_BREAKAGE_STEPS,
+    assessed_variants,
+    without_together,
+)
 from jointclosure.assessment.assessed_results import ASSESSED
+from jointclosure.assessment.assessment import Assessment
+from jointclosure.assessment.verdicts import CAN_BE_LEFT_OUT
 from jointclosure.joint.conditions import RESOLVED, Conditions
 from jointclosure.walls.gridding import Scan
+from tests.assessment.known_closures import closures
 from tests.joints import DOLERITE, SPACING
 
 SCENE = {"rock": DOLERITE, "spacing": SPACING, "max_normal_stress": 5e6, "cycles": 1}
@@ -65,6 +74,30 @@ def test_an_assessment_shows_its_variants_at_their_price(assessed):
     columns = ["seconds", "net closure 1 (%)", "net chord stiffness 1 (%)"]
     columns += ["limit of error, closures (%)", "limit of error, stiffness (%)"]
     assert list(first.price.columns) == columns
+
+
+def test_effects_that_can_each_be_left_out_are_left_out_together_too():
+    """With a wide request most groups of effects can be left out."""
+    walls = jc.wall_pair(8.0, (8, 10), SPACING, seed=1, roll_off=None)
+    found = jc.assess(walls, **SCENE, within=0.9, workers=1)
+    alone = [n for n in found.effects.index if found.verdict(n) == CAN_BE_LEFT_OUT]
+    conditions = Conditions(SPACING, DOLERITE, 5e6, cycles=1, numerics=RESOLVED).checked()
+    together = without_together(found, conditions)
+    (name,) = together
+    left_out = [effect for effect, acts in together[name].effects._asdict().items() if not acts]
+    assert len(alone) > 2
+    assert name in found.effects.index
+    every = {word for n in alone for word in re.split(", | and ", n.removeprefix("without "))}
+    assert {effect.replace("_", " ") for effect in left_out} == every
+
+
+def test_a_single_group_that_can_be_left_out_needs_no_further_variant():
+    found = Assessment(closures(), ["coarse", "middle", "fine"], "middle", 0.05)
+    conditions = Conditions(SPACING, DOLERITE, 5e6, numerics=RESOLVED).checked()
+    assert found.verdict("without gouge") == CAN_BE_LEFT_OUT
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "DROPS", (("gouge",),))
+        assert without_together(found, conditions) == {}
 
 
 @pytest.fixture(scope="module")

@@ -51,7 +51,7 @@ def test_the_last_line_names_the_cheapest_setting_and_the_effects_that_are_neede
     assert f"meets the request of 10 % is middle; {words} " in said
     assert "Effects that must be kept: gouge." in said
     said = concluded(joints=joints, effect=0.0)
-    assert said.endswith(" Effects that may each be left out alone: gouge.")
+    assert said.endswith(" Effects that may be left out, each of these groups alone: gouge.")
 
 
 def test_the_last_line_says_that_no_setting_meets_a_request():

@@ -21,6 +21,7 @@ from jointclosure.assessment.assessment import Assessment
 from jointclosure.assessment.effect_names import without
 from jointclosure.assessment.hardness import FEATURES
 from jointclosure.assessment.numerical_settings import FINEST, REFINEMENT, ladder_about, named
+from jointclosure.assessment.verdicts import CAN_BE_LEFT_OUT
 from jointclosure.compilation.code_digests import code_digest
 from jointclosure.ensembles.simulation import Reading, simulate_row
 from jointclosure.execution.workers import Failed, in_processes, number_of_workers
@@ -143,7 +144,19 @@ def assess_as_checked(
         for copy in (COPIES if name == setting or len(pairs) == 1 else ["as it is"])
     ]
     closures = closures_of(tasks, setting, variants, pairs, folder, workers, report)
-    return Assessment(closures, ladder, setting, within, budget)
+    found = Assessment(closures, ladder, setting, within, budget)
+    variants |= without_together(found, given._replace(flow=False))
+    copies = COPIES if len(pairs) == 1 else ["as it is"]
+    done = set(closures.variant)
+    left = [
+        (name, joint, copy)
+        for name, joint, copy in itertools.product(variants, range(len(pairs)), copies)
+        if name not in done
+    ]
+    if not left:
+        return found
+    further = closures_of(left, setting, variants, pairs, folder, workers, report)
+    return Assessment(pd.concat([closures, further]), ladder, setting, within, budget)
 
 
 def checked_request(
@@ -181,14 +194,37 @@ def assessed_variants(
     stated = next(name for name, variant in variants.items() if variant == given)
     ladder = list(variants)
     for names in DROPS:
-        acting = [name for name in names if getattr(given.effects, name)]
-        fewer = given.effects._replace(**dict.fromkeys(acting, False))
-        # joints that break have no equilibrium without a substrate
-        if acting and (fewer.substrate or not fewer.breakage):
-            most = min(given.numerics.most_breakage_steps, MOST_BREAKAGE_STEPS)
-            numerics = given.numerics._replace(most_breakage_steps=most)
-            variants[without(acting)] = given._replace(effects=fewer, numerics=numerics)
+        variants |= _without_effects(given, names)
     return stated, ladder, variants
+
+
+def _without_effects(
+    given: CheckedConditions, names: Sequence[str]
+) -> dict[str, CheckedConditions]:
+    """Return the variant without effects by its name, if they act and it has an equilibrium."""
+    acting = [name for name in names if getattr(given.effects, name)]
+    fewer = given.effects._replace(**dict.fromkeys(acting, False))
+    # joints that break have no equilibrium without a substrate
+    if not acting or (fewer.breakage and not fewer.substrate):
+        return {}
+    most = min(given.numerics.most_breakage_steps, MOST_BREAKAGE_STEPS)
+    numerics = given.numerics._replace(most_breakage_steps=most)
+    return {without(acting): given._replace(effects=fewer, numerics=numerics)}
+
+
+def without_together(
+    assessment: Assessment, given: CheckedConditions
+) -> dict[str, CheckedConditions]:
+    """Return the variant without all effects that can each be left out, if there are several."""
+    left_out = [
+        names
+        for names in DROPS
+        for variant in _without_effects(given, names)
+        if assessment.verdict(variant) == CAN_BE_LEFT_OUT
+    ]
+    every = {name for names in left_out for name in names}
+    together = [name for name in given.effects._fields if name in every]
+    return _without_effects(given, together) if len(left_out) > 1 else {}
 
 
 def _with_stated(

@@ -33,6 +33,7 @@ from jointclosure.assessment.hardness import (
 )
 from jointclosure.assessment.numerical_settings import LADDER, REFINEMENT
 from jointclosure.assessment.verdicts import (
+    CAN_BE_LEFT_OUT,
     GIVEN_UP,
     NEEDED_AS_FAILS,
     is_given_up,
@@ -59,7 +60,7 @@ LEAST_ORDER = 0.2
 """Least observed order that is stated. With a smaller one a tolerance of a fifth has an error of
 more than 0.7 times as much: the errors do not decrease."""
 _IN_WORDS = {
-    "can be left out": "may each be left out alone",
+    CAN_BE_LEFT_OUT: "may be left out, each of these groups alone",
     "needed": "must be kept",
     NEEDED_AS_FAILS: "must be kept",
     "not decided": "are not decided",

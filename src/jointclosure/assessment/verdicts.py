@@ -14,6 +14,8 @@ from jointclosure.statistics.two_level import (
     Interval,
 )
 
+CAN_BE_LEFT_OUT = "can be left out"
+"""Verdict on effects without which results change within the request."""
 NEEDED_AS_FAILS = "needed: fails"
 """Verdict on effects without which a joint fails."""
 GIVEN_UP = "not tested: too long"
@@ -38,7 +40,7 @@ def verdict_on_effects(differences: pd.DataFrame, within: float) -> str:
         return "needed"
     if None in inside or not inside:
         return "not decided"
-    return "can be left out"
+    return CAN_BE_LEFT_OUT
 
 
 def results_beyond(differences: pd.DataFrame, within: float) -> str:
