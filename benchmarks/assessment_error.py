@@ -17,12 +17,18 @@ import os
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
-import argparse
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numerical_error import fitted_weights, joint_of
+from numerical_error import (
+    COUNTS,
+    arguments,
+    compared_folders,
+    fitted_weights,
+    joint_of,
+    simulated_joints,
+    write_coverage,
+)
 
 from jointclosure.assessment.assess import assessed_variants, closures_of
 from jointclosure.assessment.assessed_results import ASSESSED, JUDGED, STIFFNESS
@@ -31,8 +37,7 @@ from jointclosure.assessment.finest_error import WEIGHTS
 from jointclosure.assessment.numerical_settings import FINEST, LADDER
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import RESOLVED
-from jointclosure.storage.files import read_csv, write_csv
-from jointclosure.storage.provenance import write_origin
+from jointclosure.storage.files import write_csv
 from jointclosure.uncertainty.numerical_error import log_change
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.uncertainty.variants import COPIES
@@ -90,14 +95,7 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
     errors = errors.dropna(subset=["stated", "true"])
     errors = errors.assign(inside=errors.true <= errors.stated, over=errors.stated / errors.true)
     by_result = errors.groupby(["setting", "quantity", "cycle"], sort=False)
-    return by_result.agg(
-        joints=("joint", "nunique"),
-        inside=("inside", "sum"),
-        stated_percent=("stated", lambda stated: 100.0 * stated.median()),
-        true_percent=("true", lambda true: 100.0 * true.median()),
-        stated_over_true=("over", "median"),
-        largest_true_over_stated=("over", lambda over: float(1.0 / over.min())),
-    ).reset_index()
+    return by_result.agg(**COUNTS).reset_index()
 
 
 def largest_of(errors: pd.DataFrame) -> pd.DataFrame:
@@ -119,41 +117,16 @@ def largest_of(errors: pd.DataFrame) -> pd.DataFrame:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--joints", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0, help="number of the first joint")
-    parser.add_argument("--seed", type=int, default=61)
-    parser.add_argument("--cells", type=int, nargs=2, default=(32, 64), metavar=("LEAST", "MOST"))
-    parser.add_argument("--output", type=Path, default=Path("results/benchmarks/assessment_error"))
-    parser.add_argument(
-        "--compare", type=Path, nargs="+", help="fit weights to the joints of FOLDERs"
-    )
-    asked = parser.parse_args()
+    asked = arguments(__doc__, "assessment_error")
     if asked.compare:
-        parts = [compared(read_csv(folder / "joints.csv")) for folder in asked.compare]
-        errors = pd.concat(parts)
+        errors = compared_folders(asked.compare, compared)
         finest = errors[errors.setting == list(LADDER)[-1]]
         table = fitted_weights(finest, ("jump", "change", "scatter"), WEIGHTS)
         print(table.to_string(index=False, float_format="{:.3g}".format))
         return
-    asked.output.mkdir(parents=True, exist_ok=True)
-    file = asked.output / "joints.csv"
-    joints = read_csv(file) if file.exists() else pd.DataFrame(columns=["joint"])
-    for number in range(asked.first, asked.first + asked.joints):
-        if number in set(joints.joint):
-            continue
-        new = closed(asked.seed, number, tuple(asked.cells))
-        if len(new):
-            joints = pd.concat([joints, new]) if len(joints) else new
-            write_csv(joints, file)
-        print(f"joint {number}", flush=True)
-    errors = compared(joints)
+    errors = compared(simulated_joints(asked, closed))
     write_csv(largest_of(errors), asked.output / "largest.csv")
-    table = coverage_of(errors)
-    table = table.assign(left_out=asked.joints - joints.joint.nunique(), longest_s=LONGEST)
-    print(table.to_string(index=False))
-    write_csv(table, asked.output / "coverage.csv")
-    write_origin(asked.output, f"seed {asked.seed}, {joints.joint.nunique()} joints")
+    write_coverage(asked, coverage_of(errors), LONGEST)
 
 
 if __name__ == "__main__":

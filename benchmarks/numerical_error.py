@@ -22,9 +22,9 @@ os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -41,6 +41,7 @@ from jointclosure.storage.files import read_csv, write_csv
 from jointclosure.storage.provenance import write_origin
 from jointclosure.uncertainty.numerical_error import (
     WEIGHTS,
+    Weights,
     differences_of_loading,
     log_change,
     numerical_error,
@@ -138,7 +139,7 @@ def compared(joints: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitted_weights(
-    errors: pd.DataFrame, terms: Sequence[str], weights: Mapping[tuple[str, bool], NamedTuple]
+    errors: pd.DataFrame, terms: Sequence[str], weights: Mapping[tuple[str, bool], Weights]
 ) -> pd.DataFrame:
     """Fit the weights of each result, on the first and on later cycles, to true errors.
 
@@ -151,7 +152,7 @@ def fitted_weights(
         Names of what is known of a joint [1], from which its error is expected, besides a least
         error.
     weights : mapping
-        Those of the package, which begin with the least error and have the order of ``terms``.
+        Those of the package.
 
     Returns
     -------
@@ -179,7 +180,9 @@ def fitted_weights(
         found = np.exp(scipy.optimize.minimize(unlikely, start, bounds=bounds).x)
         candidates = {"fit": found}
         if (quantity, first) in weights:
-            candidates["package"] = np.array(weights[quantity, first][: len(found)])
+            known_weights = weights[quantity, first]
+            factors = [getattr(known_weights, f"of_{name}") for name in terms]
+            candidates["package"] = np.array([known_weights.least, *factors])
         for of, values in candidates.items():
             expected = np.linalg.norm(values[:, None] * known, axis=0)
             row = {"quantity": quantity, "first": first, "weights": of, "joints": len(part)}
@@ -192,6 +195,17 @@ def fitted_weights(
     return pd.DataFrame(rows)
 
 
+COUNTS: dict[str, Any] = {
+    "joints": ("joint", "nunique"),
+    "inside": ("inside", "sum"),
+    "stated_percent": ("stated", lambda stated: 100.0 * stated.median()),
+    "true_percent": ("true", lambda true: 100.0 * true.median()),
+    "stated_over_true": ("over", "median"),
+    "largest_true_over_stated": ("over", lambda over: float(1.0 / over.min())),
+}
+"""Columns of a table of coverage, from errors with the columns ``inside`` and ``over``."""
+
+
 def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
     """Count the true errors within the stated ones by quantity and cycle, with medians of both.
 
@@ -201,14 +215,8 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
     errors = errors.assign(inside=errors.true <= errors.stated, over=errors.stated / errors.true)
     errors["without_jump"] = errors.jump == 0.0
     errors["inside_without_jump"] = errors.inside & errors.without_jump
-    by_result = errors.groupby(["quantity", "cycle"])
-    table = by_result.agg(
-        joints=("joint", "nunique"),
-        inside=("inside", "sum"),
-        stated_percent=("stated", lambda stated: 100.0 * stated.median()),
-        true_percent=("true", lambda true: 100.0 * true.median()),
-        stated_over_true=("over", "median"),
-        largest_true_over_stated=("over", lambda over: float(1.0 / over.min())),
+    table = errors.groupby(["quantity", "cycle"]).agg(
+        **COUNTS,
         without_jump=("without_jump", "sum"),
         inside_without_jump=("inside_without_jump", "sum"),
         cost=("cost", "median"),
@@ -217,8 +225,9 @@ def coverage_of(errors: pd.DataFrame) -> pd.DataFrame:
     return table.assign(all_inside=all_inside).reset_index()
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def arguments(about: str, output: str) -> argparse.Namespace:
+    """Return the options of a benchmark of errors of single joints; ``output`` is its folder."""
+    parser = argparse.ArgumentParser(description=about.splitlines()[0])
     parser.add_argument("--joints", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="number of the first joint")
     parser.add_argument("--seed", type=int, default=61)
@@ -226,30 +235,54 @@ def main() -> None:
         "--compare", type=Path, nargs="+", help="fit weights to the joints of FOLDERs"
     )
     parser.add_argument("--cells", type=int, nargs=2, default=(32, 64), metavar=("LEAST", "MOST"))
-    parser.add_argument("--output", type=Path, default=Path("results/benchmarks/numerical_error"))
-    asked = parser.parse_args()
-    if asked.compare:
-        errors = [compared(read_csv(folder / "joints.csv")) for folder in asked.compare]
-        table = fitted_weights(pd.concat(errors), ("jump", "change", "curve"), WEIGHTS)
-        print(table.to_string(index=False, float_format="{:.3g}".format))
-        return
+    parser.add_argument("--output", type=Path, default=Path("results/benchmarks") / output)
+    return parser.parse_args()
+
+
+def compared_folders(
+    folders: Sequence[Path], errors_of: Callable[[pd.DataFrame], pd.DataFrame]
+) -> pd.DataFrame:
+    """Return the errors of the joints of several folders."""
+    return pd.concat([errors_of(read_csv(folder / "joints.csv")) for folder in folders])
+
+
+def simulated_joints(
+    asked: argparse.Namespace,
+    simulated: Callable[[int, int, tuple[int, int]], pd.DataFrame],
+) -> pd.DataFrame:
+    """Simulate the joints that the output folder does not have yet; return those asked for."""
     asked.output.mkdir(parents=True, exist_ok=True)
     file = asked.output / "joints.csv"
     joints = read_csv(file) if file.exists() else pd.DataFrame(columns=["joint"])
     for number in range(asked.first, asked.first + asked.joints):
         if number in set(joints.joint):
             continue
-        if rows := closed(asked.seed, number, tuple(asked.cells)):
-            new = pd.DataFrame(rows)
+        new = simulated(asked.seed, number, tuple(asked.cells))
+        if len(new):
             joints = pd.concat([joints, new]) if len(joints) else new
             write_csv(joints, file)
         print(f"joint {number}", flush=True)
-    asked_for = joints.joint.between(asked.first, asked.first + asked.joints - 1)
-    table = coverage_of(compared(joints[asked_for]))
-    table = table.assign(left_out=asked.joints - table.joints, longest_s=LONGEST)
+    return joints[joints.joint.between(asked.first, asked.first + asked.joints - 1)]
+
+
+def write_coverage(asked: argparse.Namespace, table: pd.DataFrame, longest: float) -> None:
+    """Print and write a table of coverage, with the joints that were left out, and its origin."""
+    joints = int(table.joints.max())
+    table = table.assign(left_out=asked.joints - joints, longest_s=longest)
     print(table.to_string(index=False))
     write_csv(table, asked.output / "coverage.csv")
-    write_origin(asked.output, f"seed {asked.seed}, {joints.joint.nunique()} joints")
+    write_origin(asked.output, f"seed {asked.seed}, {joints} joints")
+
+
+def main() -> None:
+    asked = arguments(__doc__, "numerical_error")
+    if asked.compare:
+        errors = compared_folders(asked.compare, compared)
+        table = fitted_weights(errors, ("jump", "change", "curve"), WEIGHTS)
+        print(table.to_string(index=False, float_format="{:.3g}".format))
+        return
+    joints = simulated_joints(asked, lambda *of: pd.DataFrame(closed(*of)))
+    write_coverage(asked, coverage_of(compared(joints)), LONGEST)
 
 
 if __name__ == "__main__":

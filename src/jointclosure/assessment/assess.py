@@ -14,9 +14,7 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.assessed_results import (
-    ASSESSED,
-)
+from jointclosure.assessment.assessed_results import ASSESSED
 from jointclosure.assessment.assessment import Assessment
 from jointclosure.assessment.effect_names import without
 from jointclosure.assessment.hardness import FEATURES
@@ -137,26 +135,24 @@ def assess_as_checked(
 
     The conditions, ``within`` and ``budget`` are those of `checked_request`.
     """
-    setting, ladder, variants = assessed_variants(given._replace(flow=False))
-    tasks = [
-        (name, joint, copy)
-        for name, joint in itertools.product(variants, range(len(pairs)))
-        for copy in (COPIES if name == setting or len(pairs) == 1 else ["as it is"])
-    ]
-    closures = closures_of(tasks, setting, variants, pairs, folder, workers, report)
+    without_flow = given._replace(flow=False)
+    setting, ladder, variants = assessed_variants(without_flow)
+
+    def simulated(variants: Mapping[str, CheckedConditions]) -> pd.DataFrame:
+        tasks = [
+            (name, joint, copy)
+            for name, joint in itertools.product(variants, range(len(pairs)))
+            for copy in (COPIES if name == setting or len(pairs) == 1 else ["as it is"])
+        ]
+        return closures_of(tasks, setting, variants, pairs, folder, workers, report)
+
+    closures = simulated(variants)
     found = Assessment(closures, ladder, setting, within, budget)
-    variants |= without_together(found, given._replace(flow=False))
-    copies = COPIES if len(pairs) == 1 else ["as it is"]
-    done = set(closures.variant)
-    left = [
-        (name, joint, copy)
-        for name, joint, copy in itertools.product(variants, range(len(pairs)), copies)
-        if name not in done
-    ]
-    if not left:
+    together = without_together(found, without_flow)
+    if together.keys() <= variants.keys():
         return found
-    further = closures_of(left, setting, variants, pairs, folder, workers, report)
-    return Assessment(pd.concat([closures, further]), ladder, setting, within, budget)
+    closures = pd.concat([closures, simulated(together)], ignore_index=True)
+    return Assessment(closures, ladder, setting, within, budget)
 
 
 def checked_request(

@@ -45,7 +45,7 @@ from jointclosure.joint.status import (
     FLAGS,
     LARGEST_UNBREAKABLE_SHARE,
 )
-from jointclosure.statistics.number_texts import percent, with_equal_decimals
+from jointclosure.statistics.number_texts import percent, percent_number, with_equal_decimals
 from jointclosure.statistics.two_level import (
     FEWEST_DIFFERENCES,
     Interval,
@@ -186,7 +186,7 @@ class Assessment:
         if len(self.limits):
             for title, quantities in (("closures", JUDGED), ("stiffness", (STIFFNESS,))):
                 largest = self._largest_limits(quantities)
-                texts = [percent(largest[name]).removesuffix(" %") for name in table.index]
+                texts = [percent_number(100.0 * largest[name]) for name in table.index]
                 table[f"limit of error, {title} (%)"] = texts
         return table
 
@@ -194,8 +194,7 @@ class Assessment:
     def effects(self) -> pd.DataFrame:
         """Seconds, changes (%), and verdict, one row per group of effects left out.
 
-        ``over all effects`` is the time relative to that of the joint with all effects.
-
+        ``over all effects`` is the time relative to that of the joint with all effects, and
         ``needed by`` names the results that make effects needed, see `needed_by`.
         """
         table = self._table(True, tuple(ASSESSED))
@@ -292,8 +291,9 @@ class Assessment:
         allowed = [n for n in self.ladder if math.isfinite(reached[n]) and limited[n] <= limit]
         if not allowed and budget is None:
             least = min(reached, key=lambda name: reached[name])
-            return f"no setting is shown to meet {asked}; the least limit has {least}: " + (
-                f"{self._error_of(least)}{self._remedy}"
+            return (
+                f"no setting is shown to meet {asked}; the least limit has {least}: "
+                f"{self._error_of(least)}; {self._remedy}"
             )
         if not allowed:
             least_time = float(seconds[list(self.ladder)].min())
@@ -326,10 +326,10 @@ class Assessment:
         finest = self.ladder[-1]
         if self._spread_of_copies[finest] > self.within:
             return (
-                "; its copies, which should be equal, scatter more than the request, because the "
+                "its copies, which should be equal, scatter more than the request, because the "
                 "model does not determine the order of breakage"
             )
-        return "; a stated tolerance below that of the finest setting may have a smaller limit"
+        return "a stated tolerance below that of the finest setting may have a smaller limit"
 
     def _best_for_mean(self, asked: str) -> str:
         """Name the setting by which a mean meets what is asked, with its error and time."""

@@ -14,35 +14,18 @@ docs/accuracy.md has its table. `jointclosure.uncertainty.numerical_error` has t
 that is simulated by one setting, without copies.
 """
 
-import math
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from jointclosure.assessment.assessed_results import CLOSURE, GROSS, STIFFNESS
-
-
-class Weights(NamedTuple):
-    """How the expected error of a result follows from what is known of it."""
-
-    least: float
-    """Expected error without any scatter, change and jump [1]."""
-    of_jump: float
-    """Expected error over the largest jump."""
-    of_change: float
-    """Expected error over the change by the next coarser setting."""
-    of_scatter: float
-    """Expected error over the scatter of the copies."""
-    limit: float
-    """Limit over the expected error."""
-
+from jointclosure.uncertainty.numerical_error import Weights
 
 WEIGHTS: Mapping[tuple[str, bool], Weights] = {
-    (CLOSURE, True): Weights(0.0007, 0.30, 0.19, 1.80, limit=2.7),
-    (CLOSURE, False): Weights(0.0007, 0.19, 0.24, 1.25, limit=2.65),
-    (GROSS, True): Weights(0.0007, 0.06, 0.01, 1.60, limit=2.75),
-    (GROSS, False): Weights(0.0007, 0.08, 0.18, 1.00, limit=3.6),
-    (STIFFNESS, True): Weights(0.0007, 0.36, 0.15, 1.80, limit=3.0),
-    (STIFFNESS, False): Weights(0.0007, 0.21, 0.42, 1.60, limit=2.6),
+    (CLOSURE, True): Weights(0.0007, 0.30, 0.19, limit=2.7, of_scatter=1.80),
+    (CLOSURE, False): Weights(0.0007, 0.19, 0.24, limit=2.65, of_scatter=1.25),
+    (GROSS, True): Weights(0.0007, 0.06, 0.01, limit=2.75, of_scatter=1.60),
+    (GROSS, False): Weights(0.0007, 0.08, 0.18, limit=3.6, of_scatter=1.00),
+    (STIFFNESS, True): Weights(0.0007, 0.36, 0.15, limit=3.0, of_scatter=1.80),
+    (STIFFNESS, False): Weights(0.0007, 0.21, 0.42, limit=2.6, of_scatter=1.60),
 }
 """Weights by result and by whether the cycle is the first one."""
 
@@ -73,11 +56,4 @@ def log_error_of_finest(
     float
         NaN if the scatter or the change is.
     """
-    weights = WEIGHTS[quantity, cycle == 1]
-    expected = math.hypot(
-        weights.least,
-        weights.of_jump * jump,
-        weights.of_change * change,
-        weights.of_scatter * scatter,
-    )
-    return weights.limit * expected
+    return WEIGHTS[quantity, cycle == 1].log_error(jump, change, scatter=scatter)

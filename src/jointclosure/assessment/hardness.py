@@ -7,9 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from jointclosure.assessment.assessed_results import (
-    CLOSURE,
-)
+from jointclosure.assessment.assessed_results import CLOSURE
 from jointclosure.storage.files import read_csv
 
 FEATURES = ("unbreakable_share", "largest_jump", "broken_share", "contacts_at_max",

@@ -2,17 +2,9 @@
 
 import pandas as pd
 
-from jointclosure.assessment.assessed_results import (
-    ASSESSED,
-    JUDGED,
-)
-from jointclosure.joint.status import (
-    BREAKAGE_NOT_AT_REST,
-    FAILURE,
-)
-from jointclosure.statistics.two_level import (
-    Interval,
-)
+from jointclosure.assessment.assessed_results import ASSESSED, JUDGED
+from jointclosure.joint.status import BREAKAGE_NOT_AT_REST, FAILURE
+from jointclosure.statistics.two_level import Interval
 
 CAN_BE_LEFT_OUT = "can be left out"
 """Verdict on effects without which results change within the request."""
