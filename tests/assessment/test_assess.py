@@ -9,6 +9,7 @@ import jointclosure as jc
 from jointclosure.assessment import assess as module
 from jointclosure.assessment.assess import (
     MOST_BREAKAGE_STEPS,
+    assess_as_checked,
     assessed_variants,
     without_together,
 )
@@ -71,9 +72,27 @@ def test_an_assessed_joint_is_closed_as_by_the_library(assessed):
 def test_an_assessment_shows_its_variants_at_their_price(assessed):
     _, first, _ = assessed
     assert "without breakage and gouge" in str(first)
-    columns = ["seconds", "net closure 1 (%)", "net chord stiffness 1 (%)"]
-    columns += ["limit of error, closures (%)", "limit of error, stiffness (%)"]
+    columns = ["seconds", "limit of error, closures (%)", "limit of error, stiffness (%)"]
+    columns += ["net closure 1 (%)", "gross closure 1 (%)", "net chord stiffness 1 (%)"]
     assert list(first.price.columns) == columns
+    settings = ["the paper's steps", "tolerance 0.1", "tolerance 0.02", "tolerance 0.004"]
+    assert list(first.price.index) == settings
+
+
+def test_the_time_of_all_joints_is_forecast_from_that_of_the_first(monkeypatch):
+    walls = jc.wall_pair(8.0, (8, 10), SPACING, seed=1, roll_off=None)
+    conditions = Conditions(SPACING, DOLERITE, 5e6, cycles=1, numerics=RESOLVED).checked()
+    monkeypatch.setattr(
+        module, "simulate_row", lambda *_: {"status": 0, "timing_simulation": 100.0}
+    )
+    found = []
+    asked = {"workers": 1, "forecast": lambda *of: found.append(of)}
+    assess_as_checked([walls], conditions, **asked)
+    ((count, seconds),) = found
+    settings, dropped = (0.2 + 1.0 + 1.0 + 2.65), (1.0 + 0.012 + 0.7 + 1.0)
+    assert count == 8 * len(module.COPIES) - 1
+    # by the relative times of settings and effects, with the joint that is known taken away
+    assert seconds == pytest.approx(100.0 * (len(module.COPIES) * (settings + dropped) - 1.0))
 
 
 def test_effects_that_can_each_be_left_out_are_left_out_together_too():

@@ -189,3 +189,20 @@ def test_changes_that_grow_have_no_observed_order():
 )
 def test_differences_of_equal_copies_have_no_interval(numbers, text):
     assert percent_of(Interval(*numbers)) == text
+
+
+def test_the_time_of_a_joint_has_the_shortest_and_the_longest_of_its_copies():
+    closed = closures(joints=1)
+    closed.loc[closed.copy_of_walls == "mirrored", "seconds"] *= 3.0
+    assert Assessment(closed, LADDER, "fine", 0.05).price.seconds["coarse"] == "2 (1 to 3)"
+
+
+def test_tables_in_text_fit_a_screen():
+    closed = pd.concat([closures(), closures().assign(cycle=2)])
+    names = [f"without {name}" for name in ("breakage and gouge", "interaction", "soft peaks")]
+    gouge = closed[closed.variant == "without gouge"]
+    closed = pd.concat([closed, *(gouge.assign(variant=name) for name in names)])
+    text = str(Assessment(closed, LADDER, "fine", 0.05))
+    _, *tables, _, _ = text.split("\n\n")
+    assert len(tables) > 1
+    assert max(len(line) for table in tables for line in table.splitlines()) <= 120

@@ -21,7 +21,7 @@ from jointclosure.assessment.hardness import FEATURES
 from jointclosure.assessment.numerical_settings import FINEST, REFINEMENT, ladder_about, named
 from jointclosure.assessment.verdicts import CAN_BE_LEFT_OUT
 from jointclosure.compilation.code_digests import code_digest
-from jointclosure.ensembles.simulation import Reading, simulate_row
+from jointclosure.ensembles.simulation import Reading, Row, simulate_row
 from jointclosure.execution.workers import Failed, in_processes, number_of_workers
 from jointclosure.inputs import InputError, check_below
 from jointclosure.joint.checked_conditions import CheckedConditions, on_grid
@@ -37,6 +37,7 @@ from jointclosure.joint.wall_checks import checked_walls
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.parameters import RESOLVED
 from jointclosure.storage.files import digest
+from jointclosure.uncertainty.expected_cost import relative_cost
 from jointclosure.uncertainty.sources import coarser
 from jointclosure.uncertainty.variants import COPIES
 from jointclosure.walls import Walls
@@ -57,6 +58,8 @@ DROPS = (
     ("soft_peaks",),
 )
 """Effects that are left out together."""
+_Task = tuple[str, int, str]
+"""Variant, joint and copy of its walls."""
 READ = (*ASSESSED, *FEATURES[:-1], "status", "timing_simulation", "oracle_ratio")
 """Quantities that are read from every simulation; the last one only from walls as they are."""
 
@@ -130,29 +133,52 @@ def assess_as_checked(
     folder: str | Path | None = None,
     workers: int | None = None,
     report: Callable[[float, str], None] = lambda share, variant: None,
+    forecast: Callable[[int, float], None] = lambda joints, seconds: None,
 ) -> Assessment:
     """Assess joints as `assess`, of checked pairs of walls under conditions on their grid.
 
-    The conditions, ``within`` and ``budget`` are those of `checked_request`.
+    The conditions, ``within`` and ``budget`` are those of `checked_request`. The first joint is
+    simulated as stated before all others. From its time ``forecast`` then receives how many joints
+    are to be simulated, and the processor time [s] that they are expected to take. This is several
+    times too short for joints that take long by the paper's steps or without an effect.
     """
     without_flow = given._replace(flow=False)
     setting, ladder, variants = assessed_variants(without_flow)
 
-    def simulated(variants: Mapping[str, CheckedConditions]) -> pd.DataFrame:
-        tasks = [
+    def simulated(variants: Mapping[str, CheckedConditions], tasks: list[_Task]) -> pd.DataFrame:
+        return closures_of(tasks, setting, variants, pairs, folder, workers, report)
+
+    def tasks_of(variants: Mapping[str, CheckedConditions]) -> list[_Task]:
+        return [
             (name, joint, copy)
             for name, joint in itertools.product(variants, range(len(pairs)))
             for copy in (COPIES if name == setting or len(pairs) == 1 else ["as it is"])
         ]
-        return closures_of(tasks, setting, variants, pairs, folder, workers, report)
 
-    closures = simulated(variants)
+    first = (setting, 0, "as it is")
+    of_first = simulated({setting: variants[setting]}, [first])
+    others = [task for task in tasks_of(variants) if task != first]
+    in_first = sum(_relative_cost(variants[name]) for name, *_ in others)
+    of_one = float(of_first.seconds.iloc[0]) / _relative_cost(variants[setting])
+    forecast(len(others), in_first * of_one)
+    closures = pd.concat([of_first, simulated(variants, others)], ignore_index=True)
     found = Assessment(closures, ladder, setting, within, budget)
     together = without_together(found, without_flow)
     if together.keys() <= variants.keys():
         return found
-    closures = pd.concat([closures, simulated(together)], ignore_index=True)
+    further = simulated(together, tasks_of(together))
+    closures = pd.concat([closures, further], ignore_index=True)
     return Assessment(closures, ladder, setting, within, budget)
+
+
+def _relative_cost(conditions: CheckedConditions) -> float:
+    return relative_cost(conditions.effects, conditions.numerics)
+
+
+def _warmed_row(walls: Walls, reading: Reading) -> Row:
+    """Return the row of a joint, whose time does not contain that of loading the kernels."""
+    prepare_kernels([reading.conditions.model])
+    return simulate_row(walls, reading)
 
 
 def checked_request(
@@ -268,7 +294,7 @@ def checked_pairs(walls: Any, conditions: CheckedConditions) -> tuple[list[Walls
 
 
 def closures_of(
-    tasks: Sequence[tuple[str, int, str]],
+    tasks: Sequence[_Task],
     stated: str,
     variants: Mapping[str, CheckedConditions],
     pairs: Sequence[Walls],
@@ -299,9 +325,9 @@ def closures_of(
         )
         for name, joint, copy in missing
     ]
-    # before processes need them, and no part of a measured time
+    # before processes need them, which would each compile them
     prepare_kernels({variants[name].model for name, *_ in missing}, processes)
-    for done, (at, row) in enumerate(in_processes(simulate_row, asked, processes), start=1):
+    for done, (at, row) in enumerate(in_processes(_warmed_row, asked, processes), start=1):
         name = missing[at][0]
         key = keys[missing[at]]
         if isinstance(row, Failed):

@@ -56,6 +56,8 @@ from jointclosure.statistics.two_level import (
 )
 from jointclosure.uncertainty.numerical_error import NOT_STABLE
 
+_LINE_WIDTH = 120
+"""Characters of a line of tables in text: wider ones continue below."""
 LEAST_ORDER = 0.2
 """Least observed order that is stated. With a smaller one a tolerance of a fifth has an error of
 more than 0.7 times as much: the errors do not decrease."""
@@ -179,15 +181,17 @@ class Assessment:
     def price(self) -> pd.DataFrame:
         """Seconds of each setting, differences from the finest one, and limits of errors (%).
 
-        The differences are those of net closure and net stiffness, by cycle. The limits, of a lone
+        The differences are those of closures and net stiffness, by cycle. The limits, of a lone
         joint, are the largest of net and gross closures, and of net stiffnesses, of all cycles.
+        Seconds have the shortest and the longest time of the joints or copies in brackets.
         """
-        table = self._table(False, (CLOSURE, STIFFNESS))
+        table = self._table(False, LIMITED)
         if len(self.limits):
-            for title, quantities in (("closures", JUDGED), ("stiffness", (STIFFNESS,))):
+            both = (("closures", JUDGED), ("stiffness", (STIFFNESS,)))
+            for place, (title, quantities) in enumerate(both, start=1):
                 largest = self._largest_limits(quantities)
                 texts = [percent_number(100.0 * largest[name]) for name in table.index]
-                table[f"limit of error, {title} (%)"] = texts
+                table.insert(place, f"limit of error, {title} (%)", texts)
         return table
 
     @property
@@ -210,7 +214,7 @@ class Assessment:
         asked = lacks_effects(self.differences.variant) == of_effects
         asked &= self.differences.quantity.isin(quantities)
         for row in self.differences[asked].itertuples():
-            shown = rows.setdefault(row.variant, {"seconds": f"{row.seconds:.2g}"})
+            shown = rows.setdefault(row.variant, {"seconds": self._seconds_text(row.variant)})
             text = "reference" if row.variant == row.reference else percent_of(row)
             shown[f"{ASSESSED[row.quantity]} {row.cycle} (%)"] = text
         return pd.DataFrame.from_dict(rows, orient="index")
@@ -240,10 +244,23 @@ class Assessment:
         return results_beyond(self.differences[self.differences.variant == variant], self.within)
 
     def __str__(self) -> str:
-        effects = self.effects.filter(regex="^(?!net st|aperture)")
-        tables = [frame.to_string() for frame in (self.price, effects) if len(frame)]
-        lines = "\n".join(f"- {line}" for line in self.sentences)
+        effects = self.effects.filter(regex="^(?!net st|aperture|needed)")
+        columns = [frame.T for frame in (self.price, effects) if len(frame)]
+        tables = [frame.to_string(line_width=_LINE_WIDTH) for frame in columns]
+        lines = "\n".join(f"- {line}" for line in [*self.sentences, *self._reasons_of_effects])
         return "\n\n".join([self.about_intervals, *tables, lines, self.conclusion])
+
+    @property
+    def _reasons_of_effects(self) -> list[str]:
+        """Say of each group of effects that is needed which results show it."""
+        needed = self.effects[self.effects["needed by"] != ""]["needed by"]
+        return [f"{name}, beyond the request or failed: {shown}" for name, shown in needed.items()]
+
+    def _seconds_text(self, variant: str) -> str:
+        """Format the mean time of a joint, and the shortest and the longest."""
+        times = self._compared[self._compared.variant == variant].seconds
+        low, mean, high = (f"{time:.2g}" for time in (times.min(), times.mean(), times.max()))
+        return mean if low == high else f"{mean} ({low} to {high})"
 
     @property
     def about_intervals(self) -> str:
@@ -261,7 +278,7 @@ class Assessment:
         if len(self.limits):
             words += (
                 " About nine in ten joints keep the limits of errors, which contain that of the "
-                "finest setting."
+                "finest setting and are the largest of all cycles."
             )
         return words
 
@@ -359,8 +376,9 @@ class Assessment:
 
     @cached_property
     def _seconds(self) -> pd.Series:
-        """Mean processor time of a joint [s] by variant."""
-        return self._compared.groupby("variant", sort=False).seconds.mean()
+        """Mean processor time of a joint [s] by variant: settings first, then left-out effects."""
+        means = self._compared.groupby("variant", sort=False).seconds.mean()
+        return means[[*self.ladder, *means.index.difference(self.ladder, sort=False)]]
 
     @property
     def _cycles(self) -> list[int]:

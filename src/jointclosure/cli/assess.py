@@ -18,6 +18,7 @@ from jointclosure.execution.workers import number_of_workers
 from jointclosure.joint.checked_conditions import on_grid
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import RESOLVED
+from jointclosure.uncertainty.expected_cost import rough_time
 from jointclosure.walls.wall_files import registered_walls
 
 
@@ -30,6 +31,16 @@ def declare(command: argparse.ArgumentParser) -> None:
     in_python = ("--folder",)
     default = Path("assessed_joint")
     options.add_file_option(command, "--output", text, others=in_python, default=default)
+
+
+def _announced(joints: int, seconds: float) -> None:
+    """Print how many simulations follow, and a rough forecast of their processor time [s]."""
+    print(
+        f"- {joints} further simulations: about {rough_time(seconds)} of processor time together. "
+        "If the joint takes long by the paper's steps, without gouge or without interaction, it is "
+        "several times as much",
+        flush=True,
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -46,10 +57,10 @@ def run(arguments: argparse.Namespace) -> int:
     pair = registered_walls(*walls, scans, checked.spacing, unusual_values=unusual, **grid)
     print("\n".join(f"- {line}" for line in pair.remarks), flush=True)
     arguments.output.mkdir(exist_ok=True)
-    with bar("closing") as show:
+    with bar("simulating") as show:
         joint = [(pair.upper, pair.lower)]
         conditions = on_grid(checked, pair.spacing)
-        kept = {"folder": arguments.output, "report": show, **workers}
+        kept = {"folder": arguments.output, "report": show, "forecast": _announced, **workers}
         assessment = assess_as_checked(joint, conditions, **asked, **kept)
     print(assessment)
     title = " on ".join(Path(wall).name for wall in walls)

@@ -18,7 +18,7 @@ import inspect
 from typing import Any
 
 from jointclosure.cli import command_results, options
-from jointclosure.execution.progress import closing_bar, duration, seconds_of_process
+from jointclosure.execution.progress import duration, load_cycle_bar, seconds_of_process
 from jointclosure.inputs import InputError
 from jointclosure.joint.checked_conditions import check_named_stresses
 from jointclosure.joint.conditions import (
@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     grid = grid_text(arguments.shape, checked.grid_spacing)
     title = f"{rock.title}, JRC {jrc:g}, {grid}, seed {arguments.seed}"
     print(f"{title}: {checked.load.description()}")
-    with closing_bar(checked.cycle_count) as report:
+    with load_cycle_bar(checked.cycle_count) as report:
         closed = simulate_as_checked(*walls, checked, report, kept)
     strength = rock.intact.compressive_strength
     cycles = checked.cycle_count

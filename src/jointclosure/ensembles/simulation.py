@@ -191,7 +191,7 @@ def _rows(
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
     if workers > 1 and valid:  # before processes need them, which would each compile them
         prepare_kernels([reading.conditions.model], workers)
-    with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
+    with bar("simulating") if progress else nullcontext(lambda share, text: None) as show:
         simulate(valid, workers, show)
         if lost := numbers_of(ProcessLostError):
             again = f"simulating again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}"

@@ -35,9 +35,9 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
 
 
 @contextmanager
-def closing_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
+def load_cycle_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
     """Show a bar for the load cycles of a joint; yield a function for `jointclosure.simulate`."""
-    with bar("closing") as show:
+    with bar("simulating") as show:
 
         def report(cycle: int, branch: str, share: float) -> None:
             share = min(share, 1.0) if branch == "loading" else 1.0

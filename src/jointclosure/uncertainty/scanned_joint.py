@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.execution.progress import bar, closing_bar
+from jointclosure.execution.progress import bar, load_cycle_bar
 from jointclosure.execution.workers import number_of_workers
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions, without_word
@@ -307,7 +307,7 @@ def _timed_run(
     """Run a simulation; return the history of the joint and the processor time [s]."""
     start = time.process_time()
     cycles = simulation.conditions.cycle_count
-    with closing_bar(cycles) if progress else nullcontext(report) as watch:
+    with load_cycle_bar(cycles) if progress else nullcontext(report) as watch:
         history = simulation.run(watch)
     return history, time.process_time() - start
 
