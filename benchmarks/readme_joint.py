@@ -9,14 +9,12 @@ with the program's start, its figures and files. Kernels are compiled before (`m
 
 import argparse
 import json
-import resource
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import pandas as pd
+from timed_commands import timed
 
 from jointclosure.storage.files import write_csv
 from jointclosure.storage.provenance import write_origin
@@ -30,12 +28,8 @@ ROOT = Path(__file__).parents[1]
 def closed(folder: Path) -> tuple[dict[str, float], list[dict]]:
     """Run the command once; return its times [s], and the ranges of its joint.json."""
     command = [Path(sys.executable).with_name("jointclosure"), "close", *WALLS, *OPTIONS]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    start = time.perf_counter()
-    subprocess.run([*command, "--output", folder], cwd=ROOT, check=True, capture_output=True)
-    clock = time.perf_counter() - start
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    command += ["--output", folder]
+    _, processor, clock = timed(command, cwd=ROOT, check=True)
     ranges = json.loads((folder / "joint.json").read_text(encoding="utf-8"))["range"]
     return {"processor_s": processor, "clock_s": clock}, ranges
 

@@ -10,12 +10,12 @@ machine matters little.
 
 import argparse
 import os
-import resource
 import shutil
 import statistics
-import subprocess
 import tempfile
 from pathlib import Path
+
+from timed_commands import timed
 
 HERE = Path(__file__).parents[1]
 LINKED = ("src", "studies", ".venv")
@@ -35,14 +35,10 @@ def seconds_of_study(checkout: Path, config: str) -> float:
             elif source.is_file():
                 shutil.copy(source, folder)
         command = ["make", "-o", ".venv/jointclosure-is-set-up", "study", f"CONFIG={config}"]
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        answer = subprocess.run(
-            command, cwd=folder, env=os.environ, capture_output=True, text=True, check=False
-        )
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        answer, seconds, _ = timed(command, cwd=folder, env=os.environ, text=True, check=False)
     if answer.returncode:
         raise SystemExit(f"{checkout}: {answer.stdout[-2000:]}{answer.stderr[-2000:]}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return seconds
 
 
 def main() -> None:
