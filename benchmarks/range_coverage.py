@@ -5,6 +5,9 @@ rotated by up to 7 degrees and tilted by up to 3. Both scans have white noise of
 of the heights are missing, half of them in holes. Three in five pairs mate beyond 0.5 to 4 mm and
 are registered. The others mate beyond 3 to 10 mm, or are independent, and stay as scanned. JRC
 (5 to 15), rock, stress (3, 5 or 8 MPa), spacing and size (32 to 46 cells a side) are drawn too.
+Pairs from number `ROUGH` on have rough walls and unequal grids: a JRC of 15 to 25, a rotation of up
+to 45 degrees, a tilt of up to 8, and a lower scan whose points are 0.7 to 1 times as far apart as
+those of the upper one.
 
 The truth of a range is the result of the true walls, without noise and missing heights, at the true
 position, on the cells of the registered pair, and with the usual choices of the model. That of the
@@ -61,6 +64,8 @@ HELD = 0.9  # probability that a range is to have
 RESAMPLES = 400  # of the pairs, for standard errors
 CHOICES = 2  # random choices of the model for each pair
 USUAL, CHOSEN = "usual", "with choices"
+ROUGH = 6000
+"""Number of the first pair of rough walls and unequal grids."""
 
 
 def inputs(number: int) -> tuple[dict, jc.Rock, float]:
@@ -81,6 +86,13 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
         compressive_strength=1e6 * random.uniform(60.0, 200.0),
     )
     stress = 1e6 * random.choice([3.0, 5.0, 8.0])
+    if number >= ROUGH:
+        stated |= {
+            "jrc": random.uniform(15.0, 25.0),
+            "rotation": random.uniform(-45.0, 45.0),
+            "tilt": random.uniform(0.0, 8.0),
+            "lower_cell": cell * random.uniform(0.7, 1.0),
+        }
     if number % 5 >= 3:  # too different from each other to be registered
         mating = None if number % 2 else 1e-3 * random.uniform(3.0, 10.0)
         stated |= {"rotation": 0.0, "tilt": 0.0, "mating": mating}

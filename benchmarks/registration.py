@@ -63,6 +63,7 @@ class Truth:
             "cells": int(random.integers(140, 240)),
         }
         self.about = drawn | stated
+        self.lower_cell = self.about.get("lower_cell", self.about["cell"])
         self.cell, cells = self.about["cell"], int(self.about["cells"])
         fine = self.cell / 2.0
         shape = (2 * cells, 2 * cells)
@@ -107,11 +108,20 @@ class Truth:
             float(along[rows[0]] + self.own[1]), float(along[columns[0]] + self.own[0])
         )  # fmt: skip
         above = Scan(self._damaged(upper[part]), (self.cell,) * 2, origin)
-        below = Scan(self._damaged(self.lower[::2, ::2].copy()), (self.cell,) * 2, (0.0, 0.0))
+        below = Scan(self._damaged(self._lower_nodes()), (self.lower_cell,) * 2, (0.0, 0.0))
         if not self.about["cloud"]:
             return above, below
         scattered = points_of(above)
         return Cloud(self.random.permutation(scattered)), below
+
+    def _lower_nodes(self) -> np.ndarray:
+        """Return the lower wall (y, x) [m] at the nodes of its scan."""
+        if self.lower_cell == self.cell:
+            return self.lower[::2, ::2].copy()
+        ends = [(side - 1) * self.fine for side in self.lower.shape]
+        places = (np.arange(0.0, end, self.lower_cell) / self.fine for end in ends)
+        nodes = np.meshgrid(*places, indexing="ij")
+        return scipy.ndimage.map_coordinates(self.lower, nodes, mode="mirror")
 
     def _damaged(self, wall: np.ndarray) -> np.ndarray:
         """Add noise and leave out 5 % of the heights, half of them in holes."""

@@ -96,6 +96,10 @@ class Motion(NamedTuple):
         )
 
 
+NO_MOTION = Motion(np.eye(3), np.eye(3), np.zeros(3), np.zeros(3), np.zeros((3, 3)))
+"""Motion that leaves a wall where it is."""
+
+
 def flip_about_middle(points: np.ndarray, flip: np.ndarray) -> Motion:
     """Return the motion that only flips points (n, 3) [m] by an orientation, about their middle."""
     middle = np.append(0.5 * (points[:, :2].min(axis=0) + points[:, :2].max(axis=0)), 0.0)

@@ -22,6 +22,8 @@ from jointclosure.walls.point_interpolation import interpolate_heights
 
 SMALLEST_SIDE = 8  # cells of the walls along each side
 MOST_FILLED = 0.9  # largest share of holes whatever the stated one is: some cells must be known
+HeightsAt = Callable[[np.ndarray], np.ndarray]
+"""Heights (...) [m] of a wall at nodes (..., 2) [m], NaN where they are not known."""
 
 
 class Overlap(NamedTuple):
@@ -78,14 +80,15 @@ def overlap_of(
     spacing: float,
     distances: list[float],
     largest_filled_share: float,
-    upper_at: Callable[[np.ndarray], np.ndarray] | None = None,
+    heights_at: tuple[HeightsAt | None, HeightsAt | None] = (None, None),
 ) -> Overlap:
     """Find the largest rectangle of nodes at which both walls are known.
 
     ``clouds`` are the points (n, 3) [m] of both walls, with mean ``distances`` [m] of points. Nodes
-    lie at multiples of the spacing [m] from the corner of the lower wall. ``upper_at`` returns
-    heights of the upper wall at nodes, if it is not to be interpolated between its points. The
-    rectangle lies beside holes that would be more than ``largest_filled_share`` of it.
+    lie at multiples of the spacing [m] from the corner of the lower wall. ``heights_at`` are
+    functions that return the heights of the upper and of the lower wall at nodes (y, x, 2) [m]; a
+    wall without one is interpolated linearly between its points. The rectangle lies beside holes
+    that would be more than ``largest_filled_share`` of it.
 
     Raise `InputError` if the walls overlap in less than `SMALLEST_SIDE` cells along a side, or
     their common plane is too inclined.
@@ -107,7 +110,7 @@ def overlap_of(
     walls = []
     holes = []
     common = nodes[..., 0] * plane[0] + nodes[..., 1] * plane[1] + plane[2]
-    for cloud, distance, at in zip(clouds, distances, (upper_at, None), strict=True):
+    for cloud, distance, at in zip(clouds, distances, heights_at, strict=True):
         if at is None:
             level = cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2]
             wall = interpolate_heights(cloud[:, :2], level, nodes, gridding.REACH * distance)

@@ -1,5 +1,7 @@
 """Detection of probable errors in walls: of units, orientation and order, and lost slopes."""
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy
 
@@ -198,38 +200,40 @@ def _is_rough(wall: np.ndarray) -> bool:
     return int(peak_cells(wall, diagonal=False).sum()) >= 10
 
 
-def smoothing_of(
-    scan: Scan | Cloud,
-    wall: np.ndarray,
-    spacing: float,
-    low: np.ndarray | None = None,
-    high: np.ndarray | None = None,
-) -> tuple[Caution, ...]:
-    """Return a caution if heights of a wall (y, x) [m] were interpolated between points.
+class Slopes(NamedTuple):
+    """Rms slopes [1] of a wall over about one cell, before and after its interpolation."""
 
-    It states the slopes that were lost by this: the rms slope of the wall is compared with that
-    between scanned points which are about one cell apart. The first and last node of the wall are
-    at ``low`` and ``high`` (x, y) [m].
+    scanned: float  # between scanned points
+    kept: float  # between nodes of the grid
+
+    @property
+    def lost_square(self) -> float:
+        """Mean square slope [1] that interpolation took, 0 if it took none."""
+        return max(self.scanned**2 - self.kept**2, 0.0)
+
+
+def slopes_by_interpolation(
+    points: np.ndarray, wall: np.ndarray, spacing: float, low: np.ndarray, high: np.ndarray
+) -> Slopes | None:
+    """Compare slopes of scanned points (n, 3) [m] with those of a wall (y, x) [m] made of them.
+
+    The slopes of the points are those between points which are about one cell apart. Points whose
+    height is NaN are left out. The first and the last node of the wall are at ``low`` and ``high``
+    (x, y) [m]. None if the nodes lie on points, or there are too few points.
     """
-    points = points_of(scan)
-    if low is None:
-        at = scan.origin or (0.0, 0.0) if isinstance(scan, Scan) else points[:, 1::-1].min(axis=0)
-        low = np.array(at)[::-1]
-    if high is None:
-        high = low + spacing * (np.array(wall.shape)[::-1] - 1)
     place = points[:, :2]
     edge = 0.5 * spacing
     inside = ((place > low - edge) & (place < high + edge)).all(axis=1) & np.isfinite(points[:, 2])
     x, y, heights = points[inside].T
     if len(x) < 4 or min(wall.shape) < 2:
-        return ()
+        return None
     ny, nx = (max(count, 1) for count in node_counts(low, high, spacing))
     tree = scipy.spatial.cKDTree(np.column_stack([x, y]))
     row, column = np.divmod(np.arange(0, nx * ny, -(-nx * ny // _SAMPLE)), nx)
     nearest = tree.query(low + spacing * np.column_stack([column, row]))[0] / spacing
     # nearer nodes have the height of a point, and farther ones are in a hole
     if np.mean((nearest > 1e-5) & (nearest < 0.75)) < 0.05:
-        return ()
+        return None
     some = np.arange(0, len(x), -(-len(x) // _SAMPLE))
     pairs = tree.sparse_distance_matrix(
         scipy.spatial.cKDTree(tree.data[some]), _PAIRS[1] * spacing, output_type="coo_matrix"
@@ -239,16 +243,45 @@ def smoothing_of(
     bare = detrended_points(x, y, heights)
     rise = (bare[pairs.row] - bare[some][pairs.col])[used] / apart[used] ** _USUAL_HURST
     if not rise.any():
-        return ()
+        return None
     along = [np.diff(wall, axis=axis) for axis in (0, 1)]
     steps = np.concatenate([(part - np.nanmean(part)).ravel() for part in along])
-    measured, kept = (float(np.sqrt(np.nanmean(part**2))) / spacing for part in (rise, steps))
-    change = "smoothed" if kept < measured else "roughened"
+    scanned, kept = (float(np.sqrt(np.nanmean(part**2))) / spacing for part in (rise, steps))
+    return Slopes(scanned, kept)
+
+
+def smoothing_of(
+    scan: Scan | Cloud,
+    wall: np.ndarray,
+    spacing: float,
+    low: np.ndarray | None = None,
+    high: np.ndarray | None = None,
+) -> tuple[Caution, ...]:
+    """Return a caution if heights of a wall (y, x) [m] were interpolated between points.
+
+    It states the slopes that were lost by this (`slopes_by_interpolation`). The first and last node
+    of the wall are at ``low`` and ``high`` (x, y) [m].
+    """
+    points = points_of(scan)
+    if low is None:
+        at = scan.origin or (0.0, 0.0) if isinstance(scan, Scan) else points[:, 1::-1].min(axis=0)
+        low = np.array(at)[::-1]
+    if high is None:
+        high = low + spacing * (np.array(wall.shape)[::-1] - 1)
+    slopes = slopes_by_interpolation(points, wall, spacing, low, high)
+    return smoothing_caution(slopes, spacing)
+
+
+def smoothing_caution(slopes: Slopes | None, spacing: float) -> tuple[Caution, ...]:
+    """Return a caution on slopes of a wall that interpolation changed; none if slopes are None."""
+    if slopes is None:
+        return ()
+    change = "smoothed" if slopes.kept < slopes.scanned else "roughened"
     lost = (
         f"interpolation onto the grid {change} the wall: its rms slope over "
-        f"{1e3 * spacing:.4g} mm is {kept:.3g} instead of {measured:.3g} "
-        f"({100.0 * (kept / measured - 1.0):+.2g} %)"
+        f"{1e3 * spacing:.4g} mm is {slopes.kept:.3g} instead of {slopes.scanned:.3g} "
+        f"({100.0 * (slopes.kept / slopes.scanned - 1.0):+.2g} %)"
     )
-    if kept < measured:
+    if slopes.kept < slopes.scanned:
         lost += "; on a grid of larger spacing (--spacing) less of the slope is lost"
     return (caution(lost),)

@@ -51,6 +51,9 @@ class RegisteredPair(NamedTuple):
     fine: FineWalls | None = None
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
+    lost_square_slope: float = 0.0
+    """Mean square slope [1] of both walls over a cell of the finest grid that interpolation took,
+    by the slopes between scanned points (`plausibility.slopes_by_interpolation`)."""
     scale: float = 1.0  # heights of the upper wall over those of the lower one, 1 unless clear
     scan_noise: tuple[tuple[str, float, float], ...] = ()
     """Name of each scanned wall, and the ends [m] of the 95 % interval of the standard deviation of
@@ -126,4 +129,5 @@ class RegisteredPair(NamedTuple):
         return ScanErrors(
             offset, covariance, middle, noise, fine.holes, fine.step,
             waves=(waves[0] * (waves[0] > 2.0), waves[1] * (waves[1] > 2.0)), scale=self.scale,
+            lost_square=self.lost_square_slope * spacing**2,
         )  # fmt: skip

@@ -12,8 +12,8 @@ from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
 from jointclosure.walls.levelling import slopes_of
 from jointclosure.walls.mating import Mating, Mismatch, mating, measured_mismatch
 from jointclosure.walls.missing_heights import fill_missing
-from jointclosure.walls.motion import Motion, moved_heights
-from jointclosure.walls.overlap import Overlap, overlap_of
+from jointclosure.walls.motion import NO_MOTION, Motion, moved_heights
+from jointclosure.walls.overlap import HeightsAt, Overlap, overlap_of
 from jointclosure.walls.pair_remarks import (
     coarser_grid_caution,
     scale_caution,
@@ -156,7 +156,7 @@ def registered_by(
     sampled = sampled_if_finer(prepared, of_nodes)
     fit = best_fit(prepared, sampled, of_nodes, options)
     position = position_of(fit, prepared, sampled, of_nodes, options)
-    overlap, overlap_remarks = _overlap_at(
+    overlap, lost_square, overlap_remarks = _overlap_at(
         position.motion, prepared, sampled.lower, of_nodes, options.largest_filled_share
     )
     step = _resolved_step(prepared.shortest_waves, of_nodes, overlap.upper.shape)
@@ -181,7 +181,7 @@ def registered_by(
         *scale_remarks,
         *map(caution, contradictions + unlike_rock),
     ]
-    return pair._replace(scale=scale, remarks=remarks)
+    return pair._replace(scale=scale, lost_square_slope=lost_square, remarks=remarks)
 
 
 def _overlap_at(
@@ -190,33 +190,76 @@ def _overlap_at(
     lower: Scan | Cloud,
     spacing: float,
     largest_filled_share: float,
-) -> tuple[Overlap, list[str]]:
+) -> tuple[Overlap, float, list[str]]:
     """Return the overlap of the moved upper wall, at its scanned points, with the lower one.
 
-    The remarks are on each wall that is not flat: slopes that interpolation changed, and doubts
-    about resolution, rounding and noise.
+    The second value is the mean square slope [1] that interpolation onto the grid took from both
+    walls together. The remarks are on each wall that is not flat: slopes that interpolation
+    changed, and doubts about resolution, rounding and noise.
     """
     upper = prepared.upper
     upper_at = None
     if isinstance(upper, Scan):
         slopes = slopes_of(upper) if motion.tilt > gridding.LARGEST_TILT else (0.0, 0.0)
         upper_at = moved_heights(upper, motion, slopes)
+    lower_heights = _lower_heights(prepared, lower, spacing)
+    heights_at = (upper_at, lower_heights.at if lower_heights else None)
     clouds = [_moved_points(points_of(upper, missing=True), motion), points_of(lower, missing=True)]
     distances = [point_distance(scan) for scan in (upper, lower)]
-    overlap = overlap_of(clouds, spacing, distances, largest_filled_share, upper_at)
+    overlap = overlap_of(clouds, spacing, distances, largest_filled_share, heights_at)
     if prepared.flat_side:
         overlap = overlap.with_flat_wall(prepared.flat_side)
     holes = (overlap.upper_holes, overlap.lower_holes)
     remarks = []
-    for side, cloud, hole in zip(SIDES, clouds, holes, strict=True):
+    lost_square = 0.0
+    scanned = (clouds[0], lower_heights.points if lower_heights else clouds[1])
+    for side, cloud, hole in zip(SIDES, scanned, holes, strict=True):
         if side != prepared.flat_side:
             known = np.where(hole, np.nan, getattr(overlap, side))
-            lost = plausibility.smoothing_of(Cloud(cloud), known, spacing, *overlap.box)
-            remarks += with_side(side, lost)
+            found = plausibility.slopes_by_interpolation(cloud, known, spacing, *overlap.box)
+            lost_square += found.lost_square if found else 0.0
+            remarks += with_side(side, plausibility.smoothing_caution(found, spacing))
             measured = prepared.measured[side]
             level = prepared.level[side]
             remarks += with_side(side, resolution_remarks(measured, known, spacing, level))
-    return overlap, remarks
+    return overlap, lost_square, remarks
+
+
+class _InterpolatedGrid(NamedTuple):
+    """A scanned grid that is interpolated at nodes which do not lie on its points."""
+
+    at: HeightsAt
+    points: np.ndarray  # (n, 3) [m] of the scan about its mean plane, for their slopes
+
+
+def _lower_heights(
+    prepared: PreparedScans, lower: Scan | Cloud, spacing: float
+) -> _InterpolatedGrid | None:
+    """Return the interpolation of the lower scan by cubic splines, on a grid of a spacing [m].
+
+    None if the scan is no grid, or if the nodes lie on points of the scan. A steep scan, which was
+    turned until it lies level, is interpolated as it was read, so that its heights are not
+    interpolated twice.
+    """
+    if not isinstance(lower, Scan):
+        return None
+    cells = spacing / np.array(lower.spacing)
+    if np.allclose(cells, np.rint(cells), rtol=1e-6):
+        return None
+    as_read = prepared.measured.get("lower")
+    levelling = prepared.levelling
+    if levelling is None or not isinstance(as_read, Scan):
+        return _InterpolatedGrid(moved_heights(lower, NO_MOTION), points_of(lower, missing=True))
+    slopes = slopes_of(as_read)
+    # a level scan has its heights from the middle of its plane on
+    motion = levelling._replace(place=levelling.place * [1.0, 1.0, 0.0])
+    points = points_of(as_read, missing=True)
+    x, y, heights = (points - levelling.middle).T
+    # less an inclined plane, slopes along the dip are 1 / cos^2 and those across it 1 / cos as
+    # large as normal to it; moved points would lie at distances that depend on their slope
+    cosine = 1.0 / np.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2)
+    points[:, 2] = (heights - slopes[0] * x - slopes[1] * y) * cosine**1.5
+    return _InterpolatedGrid(moved_heights(as_read, motion, slopes), points)
 
 
 def _moved_points(points: np.ndarray, motion: Motion) -> np.ndarray:

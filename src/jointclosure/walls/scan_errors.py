@@ -2,8 +2,8 @@
 
 Walls are drawn as other scans could show them: displaced by the errors of the fit, and with another
 noise, as samples of the heights that are possible for the scanned ones. Interpolation on the grid
-takes a power L of short waves from the upper wall, and noise adds a power N. Walls of coherence c
-have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much of N is in
+takes a power L of short waves from both walls together, and noise adds a power N. Walls of
+coherence c have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much of N is in
 their power is not known: waves shorter than twice the spacing appear in it as they do in the true
 heights, unless they are those of both walls.
 
@@ -45,6 +45,9 @@ class ScanErrors(NamedTuple):
     step: int = 1  # spacing of the joint, in cells of this grid
     waves: tuple[float, float] = (0.0, 0.0)  # [cells] at which the scans lost half of the power
     scale: float = 1.0  # heights of the upper wall over those of the lower one
+    lost_square: float = 0.0
+    """Mean square difference [m^2] of neighbouring heights that interpolation took, summed over
+    both walls."""
 
     @property
     def cells(self) -> int:
@@ -74,7 +77,7 @@ class ScanErrors(NamedTuple):
         scanned = [_waves(field) for field in (upper + lower, upper - lower)]
         powers = [_ring_means(waves**2) for waves in scanned]
         coherence = _coherence(powers[0], powers[1], variance)
-        lost = _lost_power(upper, lower)
+        lost = _lost_power(self.lost_square, upper.shape)
         for waves, power, sign in zip(scanned, powers, (-1.0, 1.0), strict=True):
             divisor = np.where(power > 0.0, power, 1.0)
             noise = np.minimum(variance, power)
@@ -167,15 +170,17 @@ def _coherence(of_sum: np.ndarray, of_difference: np.ndarray, noise: float = 0.0
     return np.maximum(of_difference - of_sum, 0.0) / np.where(whole > 0.0, whole, 1.0)
 
 
-def _lost_power(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
-    """Return the power of each ring of wave numbers that interpolation took from the upper wall.
+def _lost_power(square: float, shape: tuple[int, ...]) -> np.ndarray:
+    """Return the power of each ring of wave numbers that interpolation took from walls (y, x).
 
-    It is the mean power that the upper wall lacks of the lower one's in the shortest octave, and 0
-    at longer waves.
+    It is even over the waves of the shortest octave, and 0 at longer ones. Its waves have the mean
+    ``square`` [m^2] of differences of neighbouring heights. A cosine of wave number k [rad/cell]
+    along an axis has (2 sin(k/2))^2 times its mean square as that of its differences.
     """
-    short = _ring_numbers(upper.shape) >= min(upper.shape) // 2
-    lacking = float((_waves(lower)[short] ** 2).mean() - (_waves(upper)[short] ** 2).mean())
-    return (_ring_means(short) > 0.0) * (max(lacking, 0.0) if upper.any() else 0.0)
+    short = _ring_numbers(shape) >= min(shape) // 2
+    along = [4.0 * np.sin(0.5 * np.pi * np.arange(n) / n) ** 2 for n in shape]
+    differences = 0.5 * (along[0][:, None] + along[1][None, :])  # mean of both axes
+    return (_ring_means(short) > 0.0) * square / float((short * differences).mean())
 
 
 def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
