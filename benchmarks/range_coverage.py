@@ -5,8 +5,8 @@ rotated by up to 7 degrees and tilted by up to 3. Both scans have white noise of
 of the heights are missing, half of them in holes. Three in five pairs mate beyond 0.5 to 4 mm and
 are registered. The others mate beyond 3 to 10 mm, or are independent, and stay as scanned. JRC
 (5 to 15), rock, stress (3, 5 or 8 MPa), spacing and size (32 to 46 cells a side) are drawn too.
-Pairs from number `ROUGH` on have rough walls and unequal grids: a JRC of 15 to 25, a rotation of up
-to 45 degrees, a tilt of up to 8, and a lower scan whose points are 0.7 to 1 times as far apart as
+Pairs from number `ROUGH` on have rough walls and unequal grids: heights 0.8 to 1.4 times those of a
+JRC of 20, the largest of the relation that is used, a rotation of up to 45 degrees, a tilt of up to 8, and a lower scan whose points are 0.7 to 1 times as far apart as
 those of the upper one.
 
 The truth of a range is the result of the true walls, without noise and missing heights, at the true
@@ -88,7 +88,8 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
     stress = 1e6 * random.choice([3.0, 5.0, 8.0])
     if number >= ROUGH:
         stated |= {
-            "jrc": random.uniform(15.0, 25.0),
+            "jrc": 20.0,
+            "steepness": random.uniform(0.8, 1.4),
             "rotation": random.uniform(-45.0, 45.0),
             "tilt": random.uniform(0.0, 8.0),
             "lower_cell": cell * random.uniform(0.7, 1.0),

@@ -71,9 +71,10 @@ class Truth:
             self.about["jrc"], shape, fine, number, roll_off=None,
             mismatch_wavelength=self.about["mating"], unusual_values=True,
         )  # fmt: skip
+        steepness = self.about.get("steepness", 1.0)
         self.fine = fine
-        self.upper = -walls[0]
-        self.lower = walls[1]
+        self.upper = -walls[0] * steepness
+        self.lower = walls[1] * steepness
         middle = 0.5 * fine * (np.array([shape[1], shape[0], 0]) - 1.0)
         tilt_axis = rotation("z", random.uniform(0.0, 360.0))
         tilt = tilt_axis @ rotation("x", self.about["tilt"]) @ tilt_axis.T
