@@ -6,8 +6,8 @@ of the heights are missing, half of them in holes. Three in five pairs mate beyo
 are registered. The others mate beyond 3 to 10 mm, or are independent, and stay as scanned. JRC
 (5 to 15), rock, stress (3, 5 or 8 MPa), spacing and size (32 to 46 cells a side) are drawn too.
 Pairs from number `ROUGH` on have rough walls and unequal grids: heights 0.8 to 1.4 times those of a
-JRC of 20, the largest of the relation that is used, a rotation of up to 45 degrees, a tilt of up to 8, and a lower scan whose points are 0.7 to 1 times as far apart as
-those of the upper one.
+JRC of 20 (the largest of the relation that is used), a rotation of up to 45 degrees, a tilt of up
+to 8, and a lower scan whose points are 0.7 to 1 times as far apart as those of the upper one.
 
 The truth of a range is the result of the true walls, without noise and missing heights, at the true
 position, on the cells of the registered pair, and with the usual choices of the model. That of the
