@@ -93,7 +93,12 @@ class _Candidates:
         matrix: np.ndarray | None,
         field: np.ndarray,
     ) -> Equilibrium:
-        """Solve for contacts from forces (n,) [N]; ``field`` (y, x) [m] is empty or theirs."""
+        """Solve the equilibrium of contacts (n,) at a total force [N] from starting forces (n,).
+
+        ``matrix`` is their influence matrix, empty for a convolution, or None without interaction.
+        ``field`` (y, x) [m] has the displacements by the starting forces, or is empty. The
+        preconditioner of the solution is kept in the joint for the next equilibrium.
+        """
         joint = self.joint
         solution = solve_equilibrium(
             self.influence, contacts, force, target, self.tolerance, matrix,
