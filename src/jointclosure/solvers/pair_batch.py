@@ -10,8 +10,8 @@ not used.
 `jointclosure.mechanics.gouge` and `jointclosure.mechanics.strength` have the same equations for one
 pair, as the reference solver uses them. tests/solvers/test_breakage.py compares both.
 
-The 3 x 3 heights of a wall around a pair are in the order of (y, x) offsets, with the cell itself at `CENTRE`;
-heights outside the grid are infinite.
+The 3 x 3 heights of a wall around a pair are in the order of (y, x) offsets, with the cell itself
+at `CENTRE`; heights outside the grid are infinite.
 """
 
 import math
