@@ -52,7 +52,7 @@ class CheckedConditions(NamedTuple):
 
     @property
     def grid_spacing(self) -> float:
-        """Grid spacing [m] of walls; `InputError` if neither user nor walls have stated it."""
+        """Grid spacing [m] of the walls; raises `InputError` if it is not known yet."""
         spacing = cast(float, self.spacing)
         if spacing is None:
             check_length("spacing", spacing)
@@ -105,8 +105,8 @@ def check_together(conditions: CheckedConditions) -> None:
 def on_grid(checked: CheckedConditions, spacing: float) -> CheckedConditions:
     """Return checked conditions with the grid spacing [m] that the walls determine.
 
-    A stated spacing, which the walls then have, was checked with the conditions. Raise `InputError`
-    if another one is unusual, or does not fit the other conditions.
+    A stated spacing equal to it was checked with the conditions. Raise `InputError` if another one
+    is unusual, or does not fit the other conditions.
     """
     if spacing == checked.spacing:
         return checked
@@ -118,9 +118,10 @@ def on_grid(checked: CheckedConditions, spacing: float) -> CheckedConditions:
 
 
 def check_named_stresses(stresses: Sequence[float], checked: CheckedConditions) -> None:
-    """Raise `InputError` unless stresses [Pa] are above 0, and from seating to the largest maximum.
+    """Raise `InputError` unless stresses [Pa], at which closures are read, are within the load.
 
-    Closures count from the seating stress, which ``checked`` conditions have.
+    They must be above 0, and from the seating stress of the ``checked`` conditions to the largest
+    maximum.
     """
     largest = checked.largest_stress
     seating = checked.seating_stress

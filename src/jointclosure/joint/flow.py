@@ -22,11 +22,11 @@ SIDES = ("closed", "periodic")
 side enters at the other ("periodic")."""
 FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
 STATUSES = ("flows", "blocked", "not_solved", "at_least")
-"""Statuses of a flow: it is solved; inlet and outlet are not connected; it could not be solved; or it
-is solved, but faces that count as closed (`CLOSED`) may pass more."""
+"""Statuses of a flow: it is solved; inlet and outlet are not connected; it could not be solved; or
+faces that count as closed (`CLOSED`) may pass more than was computed."""
 
 CLOSED = 1e-14
-"""Conductance of a face over the sum of its cell's conductances, up to which the face counts as closed,
+"""Conductance of a face over the sum of its cell's conductances, up to which it counts as closed,
 because the mass balance of the cell would be lost in rounding. The aperture at such a face is about
 2e-5 of the apertures beside it. If closed faces may matter, the status is `AT_LEAST`."""
 LARGEST_IMBALANCE = 1e-6

@@ -21,9 +21,9 @@ from jointclosure.joint.status import BRANCHES, LOADING
 
 POINTS = 60  # evenly spaced stresses at which a law is fitted, with equal weights
 BENDS = 10.0
-"""Largest Vm of a hyperbola over the largest closure; beyond, a curve does not determine it.
+"""Largest Vm of a hyperbola over the largest closure; a curve does not determine a larger Vm.
 
-At that ratio the curve is a tenth of the hyperbola, whose stiffness increases by a quarter over it.
+At that ratio the curve ends at a tenth of Vm, and its stiffness has increased by a quarter there.
 """
 _STRAIGHT = 1e3  # largest Vm in a fit over the largest closure, for curves straighter than that
 FAILS = 0.05  # largest error of a law within its range, over the largest closure

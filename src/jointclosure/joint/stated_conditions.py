@@ -24,8 +24,8 @@ def checked_as_stated(
 
     Return them as `Conditions.checked` does. Raise `InputError` if a value is not allowed, if no
     walls of the rocks carry the stress, or if a setting was changed that has no effect
-    (`check_effective`). ``varied`` is whether the function
-    also simulates joints with fewer effects.
+    (`check_effective`). ``snapshots`` are stresses [Pa]. ``varied`` is whether the function also
+    simulates joints with fewer effects.
     """
     checked = stated.checked(snapshots)
     check_carried(checked)
