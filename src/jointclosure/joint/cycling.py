@@ -1,9 +1,10 @@
 """Load cycling of a joint under displacement control, with any solver of the registry.
 
 A loading takes steps of closure up to its maximum and lands on it (`_land`), an unloading takes
-steps down to its minimum. Maxima and minima are forces [N] on the whole joint. With resolved breakage the length of each step comes from a prediction of the
-force after it, before anything breaks (`StepControl.fitting`); then equilibrium and breakage of the
-step are solved (`_Run.settle`).
+steps down to its minimum. Maxima and minima are forces [N] on the whole joint. With resolved
+breakage the length of each step comes from a prediction of the force after it, before anything
+breaks (`StepControl.fitting`); then equilibrium and breakage of the step are solved
+(`_Run.settle`).
 """
 
 from collections.abc import Callable, Sequence
