@@ -17,7 +17,7 @@ _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])  # the eight cells aro
 
 
 class PristineJoint(NamedTuple):
-    """Walls (y, x) [m] before any loading, spacing [m], rock, effects and choices of a joint."""
+    """Joint before any loading: walls (y, x) [m], spacing [m], rock, effects and choices."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -227,7 +227,7 @@ def law_of(joint: PristineJoint, state: State) -> PairLaw:
 
 
 def asperity_compliances(kappa, law: PairLaw):
-    """Compute B (y, x) [m N^(-2/3)] from curvatures (y, x) [1/m]."""
+    """Compute the compliances B (y, x) [m N^(-2/3)] of asperities from curvatures (y, x) [1/m]."""
     return np.cbrt(9 * kappa / (16 * law.asperity**2))
 
 

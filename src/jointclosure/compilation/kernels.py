@@ -166,7 +166,7 @@ class _KernelCache(FunctionCache):
 
 
 def compiles() -> int:
-    """Return how often this process compiled instead of loading machine code from the cache."""
+    """Return how often this process compiled a kernel instead of loading its machine code."""
     return _KernelCache.misses
 
 

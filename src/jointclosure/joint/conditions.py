@@ -130,7 +130,7 @@ class Conditions(NamedTuple):
 
 
 def as_stated(checked: CheckedConditions) -> Conditions:
-    """Return checked conditions as a user would state them."""
+    """Return checked conditions as the `Conditions` that a user would state to get them."""
     load = checked.load
     return Conditions(
         checked.spacing,

@@ -56,7 +56,7 @@ class Branch:
 
     @property
     def has_steps(self) -> bool:
-        """Whether the branch has a step besides its start."""
+        """Whether the branch has a step besides the one from which it starts."""
         return self.steps.size > 1
 
 
@@ -70,11 +70,11 @@ class Cycle:
 
     @property
     def branches(self) -> tuple[Branch, Branch]:
-        """Loading and unloading."""
+        """Loading and unloading of the cycle, in this order."""
         return self.loading, self.unloading
 
     def branch(self, name: str) -> Branch:
-        """Return loading or unloading by its name."""
+        """Return the branch of the cycle with a name, "loading" or "unloading"."""
         return self.loading if name == LOADING else self.unloading
 
 
@@ -90,7 +90,7 @@ class History:
 
     @cached_property
     def stress(self) -> np.ndarray:
-        """Nominal normal stress (steps,) [Pa]."""
+        """Nominal normal stress of each step (steps,) [Pa]."""
         return self.joint.normal_stress.values
 
     @cached_property
@@ -109,7 +109,10 @@ class History:
         return {kind: self.curve(of) for kind, of in KINDS.items()}
 
     def curve(self, of: str | np.ndarray) -> "Curve":
-        """Return the curve of a variable of steps by its name, or of values (steps,)."""
+        """Return the curve of a variable by its name, or of values (steps,).
+
+        The name is that of a variable of the Dataset along ``step``, or `NET`.
+        """
         if isinstance(of, np.ndarray):
             return Curve(self, of)
         if of == NET:
@@ -123,12 +126,12 @@ class History:
 
     @cached_property
     def seating_stress(self) -> float:
-        """Seating stress [Pa]."""
+        """Stress [Pa] from which closures since seating count."""
         return float(self.joint.attrs["seating_stress_Pa"])
 
     @cached_property
     def begun(self) -> int:
-        """Number of cycles that were begun."""
+        """Number of load cycles that were begun."""
         return int(self.load_cycle.max())
 
     @cached_property
@@ -183,13 +186,13 @@ class History:
 
     @cached_property
     def spacing(self) -> float:
-        """Spacing of the cells [m]."""
+        """Spacing of the cells of the joint [m]."""
         axes = (self.joint[name].values for name in ("y", "x"))
         return next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
 
     @cached_property
     def area(self) -> float:
-        """Nominal area [m2]."""
+        """Nominal area of the joint [m2]."""
         return self.spacing**2 * self.joint.sizes["y"] * self.joint.sizes["x"]
 
     @cached_property
@@ -344,7 +347,7 @@ class Curve:
 
     @property
     def at_maxima(self) -> np.ndarray:
-        """Values at the maximum of each cycle (cycles,), NaN in one that was not unloaded."""
+        """Values (cycles,) at the maximum of each cycle, NaN where unloading was not begun."""
         steps = [next(iter(cycle.unloading.steps), -1) for cycle in self.history.cycles]
         return np.where(np.array(steps) < 0, np.nan, self.values[steps])
 

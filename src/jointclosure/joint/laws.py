@@ -242,20 +242,21 @@ Barton & Choubey (1977)."""
 def scaled_to(
     length: float, jrc: float, strength: float, lab_length: float = LAB_LENGTH
 ) -> tuple[float, float]:
-    """Scale JRC and JCS [Pa] of a laboratory joint to a joint of another length [m].
+    """Return JRC and JCS [Pa] of a joint of a ``length`` [m] from those of a laboratory joint.
 
-    Barton & Bandis 1982, 1990 (Eqs. 9, 10): JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and
-    JCS_n = JCS_0 (L_n/L_0)^(-0.03 JRC_0).
+    ``jrc`` JRC_0 and ``strength`` JCS_0 [Pa] are those of a joint of ``lab_length`` [m]. Barton &
+    Bandis 1982, 1990 (Eqs. 9, 10): JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and JCS_n = JCS_0
+    (L_n/L_0)^(-0.03 JRC_0).
     """
     ratio = length / lab_length
     return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
 def check_joint_lengths(joint_length: float | None = None, lab_length: float = LAB_LENGTH) -> None:
-    """Check the lengths [m] of the joint, if it is stated, and of the laboratory joint.
+    """Raise `InputError` unless the lengths [m] of a joint and of the laboratory joint are allowed.
 
-    Raise `InputError` if one is not allowed, or if the joint is shorter than the laboratory joint,
-    because JRC and JCS are scaled to longer joints only.
+    It is raised also if the joint is shorter than the laboratory joint, because JRC and JCS are
+    scaled to longer joints only. A ``joint_length`` of None is not checked.
     """
     check_length("lab_length", lab_length)
     if joint_length is None:
@@ -276,11 +277,12 @@ def law_holds(jrc: float) -> bool:
 def barton_bandis(
     jrc: float, compressive_strength: float, strength_ratio: float, cycle: int
 ) -> BartonBandis:
-    """Return the constants of the law for a joint in one of `CYCLES`.
+    """Return the law of Barton and Bandis of a joint in one of `CYCLES`, from zero stress.
 
     ``compressive_strength`` is sigma_c [Pa], ``strength_ratio`` sigma_c/JCS. Bandis, Lumsden &
     Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j = (JRC/5)(0.2 sigma_c/JCS - 0.1) mm, K_ni =
-    -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as for `_CONSTANTS`.
+    -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as for `_CONSTANTS`. No range is checked
+    (`law_holds`).
     """
     a, b, c, d = _CONSTANTS[cycle]
     wall_strength = compressive_strength / strength_ratio * 1e-6
@@ -307,7 +309,7 @@ class JointLaws(NamedTuple):
 
     @property
     def scaled(self) -> tuple[float, float]:
-        """JRC and JCS [Pa] at the length of the joint."""
+        """JRC and JCS [Pa] of the joint, scaled to its length if this is stated."""
         if self.joint_length is None:
             return self.jrc, self.strength
         return scaled_to(self.joint_length, self.jrc, self.strength, self.lab_length)

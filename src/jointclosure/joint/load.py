@@ -43,7 +43,7 @@ class Load(NamedTuple):
     is_history: bool
 
     def __str__(self) -> str:
-        """Return the stated load as messages name it."""
+        """Return the stated load in MPa, with its keyword and option, as messages name it."""
         return _shown(self.stresses, self.is_history)
 
     def description(self) -> str:
@@ -61,7 +61,7 @@ class Load(NamedTuple):
 
     @property
     def least_maximum(self) -> float:
-        """Smallest maximum of all cycles [Pa]."""
+        """Smallest maximum of all load cycles [Pa]."""
         return min(cycle.maximum for cycle in self.load_cycles)
 
     @property
@@ -163,7 +163,7 @@ def check_turns(load: Load, tolerance: float) -> None:
 
 
 def check_snapshots(snapshots: Sequence[float], load: Load) -> None:
-    """Raise `InputError` unless the stresses [Pa] of snapshots are from 0 to the largest one."""
+    """Raise `InputError` unless the stresses [Pa] of snapshots are from 0 to the load's largest."""
     for stress in snapshots:
         check_number("snapshots", stress)
         if not 0.0 <= stress <= load.largest:

@@ -13,7 +13,7 @@ from jointclosure.parameters import check_effective
 
 
 def check_carried(checked: CheckedConditions) -> None:
-    """Raise `InputError` if no walls of the rocks of checked conditions carry the stress."""
+    """Raise `InputError` if no walls of the rocks can carry the stress of checked conditions."""
     check_strength(checked.rock, checked.largest_stress, *checked.model, checked.spacing)
 
 

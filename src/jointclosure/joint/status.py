@@ -77,7 +77,7 @@ def flags_of(status: int) -> list[Flag]:
 
 
 def failed(joint: Any) -> bool:
-    """Return whether the simulation of a joint failed, by the status in its dataset."""
+    """Return whether the simulation of a joint, given by its Dataset, failed, by its status."""
     return int(joint.status) >= FAILURE
 
 

@@ -62,7 +62,7 @@ def _aligned(upper, lower) -> tuple:
 def warn_of_doubts(
     upper: np.ndarray, lower: np.ndarray, spacing: float, stacklevel: int = 3
 ) -> None:
-    """Warn (`UserWarning`) of a probable error of units or orientation.
+    """Warn (`UserWarning`) of probable errors of units or orientation of two walls (y, x) [m].
 
     The warning is at the line that called the caller, or at another ``stacklevel`` of Python.
     """

@@ -78,7 +78,7 @@ def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: A
 
 
 def all_kernels() -> list[list[str]]:
-    """Return the entries of `kernels_of` that are shipped: those of all well-posed scenes."""
+    """Return the entries of `kernels_of` for all well-posed scenes, as they are shipped."""
     kernels = []
     for scene, peaks in product(map(scene_name, well_posed_scenes()), ("pristine", "current")):
         kernels.append([scene, peaks, "base", "reference", "fixed_step"])

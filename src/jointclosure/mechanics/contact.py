@@ -65,7 +65,7 @@ def plane_strain_modulus(youngs_modulus, poisson_ratio):
 
 @kernel
 def equivalent_modulus(upper_modulus, lower_modulus):
-    """Compute E_a* [Pa] of two walls from their plane-strain moduli [Pa], Eq. (4)."""
+    """Compute the modulus E_a* [Pa] of two walls from their plane-strain moduli [Pa], Eq. (4)."""
     return 1.0 / (1.0 / upper_modulus + 1.0 / lower_modulus)
 
 

@@ -36,7 +36,10 @@ class ContactLaw(NamedTuple):
 def contact_law(
     spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
 ) -> ContactLaw:
-    """Compute the contact law of the rocks (upper, lower) on a grid of this spacing [m]."""
+    """Compute the contact law of the rocks (upper, lower) on a grid of a spacing [m].
+
+    The strength is that of the weaker wall.
+    """
     moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
     ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
     softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]

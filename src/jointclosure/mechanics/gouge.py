@@ -13,7 +13,10 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def upper_share(upper_curvature, lower_curvature):
-    """Compute the upper wall's share of a loss: (1/R_t) / (1/R_t + 1/R_b), 1/2 if both are flat."""
+    """Return the upper wall's share of a loss [1], (1/R_t) / (1/R_t + 1/R_b) from curvatures [1/m].
+
+    It is 1/2 if both walls are flat.
+    """
     total = upper_curvature + lower_curvature
     if total == 0.0:
         return 0.5

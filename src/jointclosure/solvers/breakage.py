@@ -76,17 +76,17 @@ class Cells(NamedTuple):
     lower: np.ndarray
     approach: np.ndarray  # offset less interaction [m]; with both heights it gives the overlap
     kind: np.ndarray  # state of each pair, see `ContactLaw`
-    locked: np.ndarray  # whether a pair is beyond its strength, without a place for its gouge
+    locked: np.ndarray  # whether a pair is beyond its strength, but has nowhere to shed its gouge
     stride: int  # number of cells from one row to the next
 
 
 class Due(NamedTuple):
-    """Cells to examine at the end of each short step, as one list for each of these moments.
+    """Cells to examine at the end of each short step of breakage, in one list for each short step.
 
-    A moment is the number of a short step, 0 for none. The end of the whole step has no list. A
-    cell that becomes due at another moment is not removed from its former list, where it would have
-    to be searched. Of the entries of a cell in a list the latest counts, and only if the cell is
-    due at the moment of this list.
+    The end of a short step is a *moment*, given by the number of the step from 1 on; 0 stands for
+    no moment. The end of the last short step has no list. A cell that becomes due at another moment
+    is not removed from its former list, where it would have to be searched. Of the entries of a
+    cell in a list the latest counts, and only if the cell is due at the moment of this list.
     """
 
     moment: np.ndarray  # at which each cell is due, 0 for none
@@ -95,10 +95,10 @@ class Due(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """Cells that wait to be examined, in one list for each colour."""
+    """Cells that wait to be examined for breakage, in one list for each colour."""
 
     colour: np.ndarray  # of each cell
-    waits: np.ndarray  # 1 for a cell in a list, else 0; 1 in the margin, which is never added
+    waits: np.ndarray  # 1 for a cell in a list, else 0; 1 in the margin, never added to a list
     lists: np.ndarray  # cells (colours, most cells of a colour)
     counts: np.ndarray  # number of waiting cells of each colour
     colour_beside: np.ndarray  # colours of the neighbours of each colour (colours, 8)
@@ -131,7 +131,7 @@ def padded(field, outside):
 
 @kernel
 def unpad(flat, field):
-    """Copy a flat array with its margin back into a field (y, x)."""
+    """Set a field (y, x) to the values of a flat array with a margin (`padded`)."""
     ny, nx = field.shape
     stride = nx + 2 * _MARGIN
     for y in range(ny):
@@ -267,7 +267,7 @@ def forget(holds_to, cell, reach, stride):
 
 @kernel
 def number_of_changes(one, other):
-    """Return how many values of two arrays (n,) differ."""
+    """Return at how many places the values of two arrays (n,) differ."""
     count = 0
     for i in range(one.size):
         count += one[i] != other[i]
@@ -364,10 +364,10 @@ def starts_to_wait(cells, turns, cell):
 
 @kernel
 def let_neighbours_wait(cells, turns, broken, beside, colour):
-    """Make the neighbours of broken cells (n,) of a colour wait if they overlap.
+    """Make the neighbours of broken cells (n,) of a colour wait if their walls overlap.
 
-    Those that wait already are not listed again. All cells at one of the offsets ``beside`` those
-    of a colour have one colour, so that only one list grows at a time.
+    Neighbours that wait already are not listed again. All neighbours at one of the offsets
+    ``beside`` have one colour, so that only one list grows at a time.
     """
     for k in range(beside.size):
         offset = beside[k]
@@ -387,7 +387,7 @@ def let_neighbours_wait(cells, turns, broken, beside, colour):
 
 @kernel
 def no_cells_due(cells, short_steps):
-    """Return `Due` without cells, for a number of cells and of short steps."""
+    """Return an empty `Due` for ``cells``, a number of cells, and a number of short steps."""
     return Due(
         np.zeros(cells, np.int64),
         np.empty((short_steps, 2 * cells), np.int64),
@@ -419,7 +419,7 @@ def remove_old_entries(due, moment):
 
 @kernel
 def listed_moment(due, moment):
-    """Return a moment if a list of `Due` belongs to it, else 0, as for the end of the whole step.
+    """Return a moment if `Due` has a list for it, else 0, as for the end of the last short step.
 
     A cell whose moment is 0 is due at no moment.
     """
@@ -444,7 +444,10 @@ def set_due(due, cell, moment):
 
 @kernel
 def let_due_wait(due, moment, turns):
-    """Move the cells due at a moment to the waiting ones, those of the last entry first."""
+    """Move the cells that are due at a moment to the waiting cells, the latest entry first.
+
+    They are then due at no moment, and the list of the moment is empty.
+    """
     for k in range(due.counts[moment] - 1, -1, -1):
         cell = due.lists[moment, k]
         if due.moment[cell] == moment:
@@ -558,10 +561,11 @@ def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside, c
 
 @kernel
 def add_changes_of_walls(batch, i, cell, cells, walls, broken, count):
-    """Add what pair i has changed to the new walls (2, cells), and list its cell as broken.
+    """Add what pair i has changed to ``walls`` (2, cells) [m], and append its cell to ``broken``.
 
-    Return the number of broken cells. Changes are added because pairs that break together may share
-    neighbours.
+    ``walls`` are the new walls. Changes are added because pairs that break together may share
+    neighbours. Return ``count``, the number of broken cells so far. A pair without breakage steps
+    changes nothing.
     """
     if batch.steps[i] == 0.0:
         return count
@@ -576,9 +580,10 @@ def add_changes_of_walls(batch, i, cell, cells, walls, broken, count):
 
 @kernel
 def take_out_resting(batch, n, some, cells, walls, broken, count):
-    """Take pairs that break no more out of the batch, and add what they changed to the new walls.
+    """Take pairs that break no more out of the batch, and add what they changed to ``walls``.
 
-    Return how many pairs are left in the batch, and how many cells are listed as broken.
+    ``walls`` (2, cells) [m] are the new walls. Return how many pairs are left in the batch, whose
+    cells become the first of ``some``, and how many cells are listed in ``broken``.
     """
     i = 0
     while i < n:
@@ -619,10 +624,10 @@ def write_together(walls, broken, cells, turns, around):
 
 @kernel
 def neighbour_offsets(stride):
-    """Return the offsets of cells around a cell in a flat array with rows of ``stride`` cells.
+    """Return offsets from a cell to cells around it in a flat array with rows of ``stride`` cells.
 
-    They are those of its eight neighbours, of these and the cell itself, and of the sixteen cells
-    two away from it.
+    They are three arrays: to its eight neighbours, to these and the cell itself, and to the sixteen
+    cells that are two cells away.
     """
     up = stride
     down = -stride

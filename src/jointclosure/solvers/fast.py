@@ -83,10 +83,10 @@ class FastSolver:
     def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
         """Return the total force [N] at a closure [m] before anything breaks, and the effort.
 
-        The equilibrium is solved to this ``residual``, but to no smaller one than the required
-        one. The force is infinite if none was found. With resolved breakage no contact exceeds its
-        strength. Walls, forces and interaction of the joint stay as they are; its rates and the
-        memory of the solver change.
+        The equilibrium is solved to this ``residual``, but to no smaller one than the required one.
+        The force is infinite if none was found. With resolved breakage no contact exceeds its
+        strength. Walls, forces and interaction of the joint stay as they are. Its rates of force
+        and interaction become those of the predicted step, and the memory of the solver changes.
         """
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()
@@ -160,13 +160,16 @@ class _PathToRest:
         return float(self.solve(_stage_tolerances(asked)[0] if may_break else asked).force.sum())
 
     def extrapolate(self, step: float) -> None:
-        """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
+        """Extrapolate the joint's forces and interaction by their rates, over a ``step`` [m]."""
         joint = self.joint
         follow_rates(joint.interaction, joint.interaction_rate, joint.force, joint.force_rate, step)
         self._interaction_known = False
 
     def alternate(self, asked: float) -> None:
-        """Repeat rounds until an equilibrium with the required residual breaks nothing."""
+        """Break pairs and solve for forces in turn, until an equilibrium breaks nothing.
+
+        Its residual is at most ``asked``.
+        """
         stages = _stage_tolerances(asked)
         stage = 0
         while True:
@@ -192,7 +195,10 @@ class _PathToRest:
         return self._break(_NO_GROWTH, 1)
 
     def break_in_short_steps(self, step: float) -> None:
-        """Break pairs along a step [m] to the present closure, at the extrapolated interaction."""
+        """Break pairs along a ``step`` [m] that ends at the closure of the path, in `SHORT_STEPS`.
+
+        The joint's interaction is extrapolated to the end of the step, and grows by its rate.
+        """
         self._break(step * (1.0 - self.joint.interaction_rate), SHORT_STEPS)
 
     def _break(self, growth: np.ndarray, short_steps: int) -> int:
@@ -311,7 +317,7 @@ class _PathToRest:
 
 
 def _stage_tolerances(asked: float) -> tuple[float, ...]:
-    """Return the residuals of the stages; the last is the required one."""
+    """Return the residuals of the stages of a solution; the last is ``asked``, the required one."""
     return (*(rough for rough in PROVISIONAL_TOLERANCES if rough > asked), asked)
 
 

@@ -271,7 +271,10 @@ def set_interaction_field(influence, force):
 
 @kernel
 def interaction_field(influence, force):
-    """Compute displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed."""
+    """Compute displacements (y, x) [m] of cells by forces (y, x) [N], Eqs. (17) and (18) summed.
+
+    `Influence.field` is overwritten.
+    """
     set_interaction_field(influence, force)
     return influence.field[:, : force.shape[1]].copy()
 

@@ -158,7 +158,7 @@ class Joint:
 
     @cached_property
     def influence_table(self) -> np.ndarray:
-        """Influence (ny, nx) [m/N] by distance in cells, see `Influence`."""
+        """Influence of a cell of the joint (ny, nx) [m/N] by distance in cells, see `Influence`."""
         law = self.law
         return influence_table(
             *self.upper.shape, law.base_radius, law.substrate_modulus, law.spacing
@@ -180,7 +180,7 @@ class Joint:
 
     @property
     def area(self) -> float:
-        """Area of the joint [m^2]."""
+        """Nominal area of the joint [m2]."""
         return self.upper.size * self.law.spacing**2
 
     def weaken_crushed(self) -> bool:
@@ -271,9 +271,10 @@ class Joint:
         """Return contacts with the cells that overlapped recently, and their influence matrix.
 
         New contacts are added to `recent_contacts`. The matrix (m, m) [m/N] is filled in the first
-        n rows and columns, one for each of the n returned contacts, and a later call fills the same
-        array. Cells that are not in contact have a negative overlap. Without interaction, or for so
-        many contacts that a convolution is cheaper, the same contacts and None are returned.
+        n rows and columns, one for each of the n returned contacts, and a later call overwrites the
+        same array. Cells that are not in contact have a negative overlap. If there is no
+        interaction, or are so many contacts that a convolution is cheaper, the given contacts and
+        None are returned.
         """
         if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
             return contacts, None
@@ -364,11 +365,11 @@ class Solver(Protocol):
 
     @property
     def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
-        """Function that solves an elastic curve, or None, see `Solver`."""
+        """Function that solves a joint without breakage at total forces, or None, see `Solver`."""
 
     @property
     def predict(self) -> Callable[["Joint", float, float], tuple[float, Effort]] | None:
-        """Function that predicts a force, or None, see `Solver`."""
+        """Function that predicts the total force at a closure, or None, see `Solver`."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m], in place, and return the state reached.

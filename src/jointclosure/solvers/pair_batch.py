@@ -93,16 +93,16 @@ class Rules(NamedTuple):
 
 @kernel
 def unsigned(index):
-    """Return an index >= 0 as an unsigned one, which is not checked for being negative."""
+    """Return an index >= 0 as an unsigned integer, for which no check of its sign is compiled."""
     return np.uint64(index)
 
 
 @kernel
 def whole_vectors(n):
-    """Return a number of pairs rounded up to whole vectors of the processor.
+    """Return a number n of pairs, rounded up to whole vectors of the processor.
 
     A loop over whole vectors has no part that is not vector code. What it computes for places of
-    the batch without a pair is not used.
+    the batch beyond n is not used.
     """
     return n + -n % LANES
 
@@ -253,7 +253,7 @@ def share_losses(batch, n, gouge):
 
 @kernel
 def fixed_losses(batch, n, breakage_step):
-    """Set losses to the shares of both walls in the fixed step [m]."""
+    """Turn the shares of loss of both walls into losses [m], by the fixed ``breakage_step`` [m]."""
     for i in range(n):
         batch.loss[UPPER, i] *= breakage_step
         batch.loss[LOWER, i] *= breakage_step
