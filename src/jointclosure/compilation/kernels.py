@@ -34,7 +34,7 @@ from jointclosure.compilation.code_digests import code_digest
 
 SHIPPED = PACKAGE / "compiled"
 """Machine code in the package, made by ``python -m jointclosure.joint.warmup ship``."""
-X86 = platform.machine() in ("x86_64", "AMD64")  # names of one kind of processor
+X86 = platform.machine() in ("x86_64", "AMD64")  # both are names of this kind of processor
 PROCESSOR = "x86-64-v3" if X86 else "generic"
 """Processor for which shipped code is made: the code is as fast as code for a newer processor, and
 gives the same bits."""
@@ -251,7 +251,7 @@ def _compile(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
     )
     # like `enable_caching`, which would use the folder set for the whole process
     compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
-    # exceptions name their file: that of the package, so that machine code has no path of a machine
+    # exceptions name a file: the module's name, so that machine code has no path of this machine
     name = f"{function.__module__}.py"
     function.__code__ = function.__code__.replace(co_filename=name)
     return compiled

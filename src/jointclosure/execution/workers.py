@@ -64,7 +64,7 @@ def in_processes(
     pool = _Workers()
     try:
         yield from _as_finished(partial(pool.ask, function), tasks, workers, pool.stop)
-    finally:  # a thread may have started one when all were stopped
+    finally:  # a thread may have started a worker after all were stopped
         pool.stop()
 
 

@@ -288,7 +288,7 @@ def _elastic_forces(count, cycles, seating_force) -> np.ndarray:
     """
     largest = max(cycle.maximum for cycle in cycles)
     forces = largest * np.arange(count + 1) / count
-    # skip a turn or seating that equals one of them up to rounding: its step would have no length
+    # a turn or seating equal to one of these up to rounding is left out: its step has no length
     turns = {force for cycle in [*cycles, [seating_force]] for force in cycle if force <= largest}
     apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
     return np.union1d(forces, apart) if apart else forces
@@ -456,7 +456,7 @@ def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: 
     """
     part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, _, *carried = before  # the peaks stay those of the state that passed
+    upper, lower, _, *carried = before  # the states of the pairs are those of ``passed``
     fields = joint.upper, joint.lower, joint.force, joint.interaction
     for field, earlier in zip(fields, (upper, lower, *carried[:2]), strict=True):
         field[:] = earlier + part * (field - earlier)

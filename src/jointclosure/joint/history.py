@@ -150,7 +150,7 @@ class History:
     @cached_property
     def maxima(self) -> np.ndarray:
         """Stated maximum stress (cycles,) [Pa] of each cycle that was begun."""
-        # the turning points of all cycles, or one maximum of all
+        # the attribute has the turning points of all cycles, or one maximum for all cycles
         stated = np.atleast_1d(self.joint.attrs["max_normal_stress_Pa"])[::2]
         return stated[: self.begun] if stated.size > 1 else np.broadcast_to(stated, self.begun)
 

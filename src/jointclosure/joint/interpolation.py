@@ -73,7 +73,7 @@ def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -
     """
     run = np.diff(stress)
     fit = scipy.optimize.isotonic_regression(np.diff(closure) / run, weights=run, increasing=False)
-    # no later slope corrects the last ones, which are one chord therefore
+    # no later slope corrects the last slopes: they are replaced by one chord
     blocks = fit.blocks[stress[fit.blocks] <= stress[-1] - LAST_CHORD * np.ptp(stress)]
     blocks = np.append(blocks, stress.size - 1)
     middle = 0.5 * (stress[blocks[:-1]] + stress[blocks[1:]])

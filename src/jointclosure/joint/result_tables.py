@@ -138,7 +138,7 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
         for name in HYDRAULIC:  # geometric means along x and y
             mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
             aperture = 1e3 * np.maximum(history.curve(mean).at(levels), 0.0)
-            if name != "largest_hydraulic":  # between steps, one of which has no flow
+            if name != "largest_hydraulic":  # also between a step with flow and a step without
                 aperture[statuses == "blocked"] = 0.0
             columns[f"{name}_mm"] = aperture
         columns["flow_status"] = statuses

@@ -160,7 +160,7 @@ def shorter_root(overlap, substrate, asperity, t):
     """
     shorter = newton_root(overlap, substrate, asperity, t)
     falls = shorter < t
-    # after so small a step the next one would change at most the last digit
+    # after so small a step the next step would change at most the last digit
     return (shorter if falls else t), (not falls) | (t - shorter < 1e-9 * t)
 
 

@@ -23,7 +23,7 @@ class ContactLaw(NamedTuple):
 
     spacing: float  # h [m]
     base_radius: float  # r [m]
-    least_curvature: float  # least one of a wall [1/m]: 1 / largest radius, 0 without one
+    least_curvature: float  # lower bound for a wall's cells [1/m]: 1 / largest radius, or 0
     concave: float  # weight of a concave profile's curvature: 1 as for a convex one, or 0
     substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
     substrate: float  # compliance A [m/N], 0 without substrate

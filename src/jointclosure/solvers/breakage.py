@@ -70,7 +70,10 @@ _MOST_PASSES = 4
 
 
 class Cells(NamedTuple):
-    """Fields of a grid as flat arrays with a margin, see `padded`."""
+    """Walls, approach and states of the pairs of a grid, as flat arrays with a margin.
+
+    See `padded`.
+    """
 
     upper: np.ndarray  # heights of the walls [m], infinite in the margin
     lower: np.ndarray

@@ -47,7 +47,7 @@ def wall_curvature(here, west, east, south, north, least_curvature, concave, spa
     below = north if south == math.inf else south
     above = south if north == math.inf else north
     curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
-    # with a single cell in a direction it is NaN, and counts as that of a straight profile
+    # with a single cell in a direction the curvature is NaN, and the profile counts as straight
     return curvature if curvature > least_curvature else least_curvature
 
 

@@ -123,7 +123,7 @@ class _PathToRest:
         self.locked = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf  # residual of the present forces
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
-        self._interaction_known = True  # whether that of the joint is the interaction of its forces
+        self._interaction_known = True  # whether the joint's interaction is that of its forces
         # valid until breakage changes the walls
         self._overlapping: tuple | None = None
         self._may_carry: Contacts | None = None

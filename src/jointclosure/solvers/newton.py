@@ -144,7 +144,7 @@ def _newton_step(problem, space, state, tolerance):
     )
     directed = state.force + direction
     force = np.minimum(np.maximum(directed, 0.0), problem.contacts.limit)
-    # last digits of a contact that opens, which rounding of the others would hide
+    # a contact that opens keeps no last digits, which rounding of other forces would hide
     force[(problem.answer == 0.0) & (force < ROUNDING * state.total)] = 0.0
     used += _add_change(problem, force - directed, field)
     return _iterate_with_answers(problem, force, field, state.shift + moved), used

@@ -9,7 +9,7 @@ import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
 
-PIVOTS = 4  # of one pass over a matrix
+PIVOTS = 4  # number of pivots of one pass over a matrix
 LANES = 8  # largest number of values in a vector of a processor
 
 
