@@ -305,9 +305,9 @@ def interaction_product(influence, matrix, cells, values, force):
 def single_product(influence, matrix, cells, values):
     """Compute displacements (n,) [m] at cells by forces at the same cells, in single precision.
 
-    The parameters are those of `interaction_product`. With a matrix, which is in double precision,
-    the unit 1 is returned too. Without one, `SingleInfluence.field` gets the displacements of all
-    cells over a unit [m], which is returned too.
+    The parameters are those of `interaction_product`. Return the displacements and a unit. With a
+    matrix, which is in double precision, the unit is 1. Without one, the unit is in m, and
+    `SingleInfluence.field` gets the displacements of all cells divided by it.
     """
     if matrix.size > 0:
         return symmetric_times(matrix, values), 1.0
