@@ -17,7 +17,7 @@ _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])  # the eight cells aro
 
 
 class PristineJoint(NamedTuple):
-    """Walls (y, x) [m] before any loading, spacing [m], rock, effects and choices of a joint."""
+    """Joint before any loading: walls (y, x) [m], spacing [m], rock, effects and choices."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -28,9 +28,10 @@ class PristineJoint(NamedTuple):
 
 
 class State(NamedTuple):
-    """State to be judged: walls [m] and forces [N] (y, x), closure [m], reported total force [N].
+    """State of a joint to be judged: walls [m] and forces [N] (y, x), closure [m], total force [N].
 
-    ``crushed`` (y, x) are the pairs whose rock was crushed before this loading.
+    The total force is the reported one. ``crushed`` (y, x) is a mask of the pairs of cells whose
+    rock was crushed before this loading.
     """
 
     upper: np.ndarray
@@ -42,10 +43,11 @@ class State(NamedTuple):
 
 
 class PairLaw(NamedTuple):
-    """Contact law of a joint, from rocks, peaks, effects and choices.
+    """Contact law of a joint's pairs of cells, from rocks, peaks, effects and choices.
 
-    ``asperity``: E_a* of every pair (y, x) [Pa]; ``rock_modulus``: 1/(1/E_t* + 1/E_b*) of the
-    substrates [Pa]; ``substrate``: their compliance A [m/N], 0 without; ``base_radius`` [m].
+    ``asperity`` is E_a* of every pair (y, x) [Pa], ``rock_modulus`` 1/(1/E_t* + 1/E_b*) of the
+    substrates [Pa]. ``substrate`` is the compliance A of both substrates [m/N], 0 without them.
+    ``base_radius`` is in m.
     """
 
     asperity: np.ndarray
@@ -55,16 +57,17 @@ class PairLaw(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """Errors of a state, all but the first relative; 0 is perfect.
+    """Errors of a judged state, all but the first relative; 0 is perfect.
 
     ``negative_force``: magnitude of the most negative force [N]. ``residual``: sum |F -
-    psi(overlap)| / sum F with each contact's law psi solved again. ``rounding``: effect of one unit
-    in the last place of the heights on this sum. ``without_overlap``, ``without_force``: force of
-    cells that do not overlap, and force that unloaded cells with overlap should carry, over the
-    total. ``load``: sum of the forces compared with the reported one. ``volume``: larger change of
-    a wall's volume over sum |z0 - min z0|. ``raised``: see `raised`. ``strength``: largest c
-    p0/sigma_c - 1 of a contact that is not locked, at least 0, with the force that its overlap
-    takes: the error of the reported force is in the residual.
+    psi(overlap)| / sum F, with the law psi of each contact solved again. ``rounding``: effect of
+    one unit in the last place of the heights on this sum. ``without_overlap``: force of cells that
+    do not overlap, over the total. ``without_force``: force that unloaded cells with overlap should
+    carry, over the total. ``load``: difference of the sum of the forces and the reported total
+    force, over the sum. ``volume``: larger change of a wall's volume over sum |z0 - min z0|.
+    ``raised``: see `raised`. ``strength``: largest c p0/sigma_c - 1 of a contact that is not
+    locked, at least 0. It is computed with the force that the contact's overlap takes, because the
+    error of the reported force is in the residual.
     """
 
     negative_force: float
@@ -79,17 +82,17 @@ class Verdict(NamedTuple):
 
 
 def walls_rocks(rock):
-    """Return (upper, lower) rocks of one rock or a pair."""
+    """Return the rocks (upper, lower) of one rock, or of a pair of rocks, which stays as it is."""
     return (rock, rock) if hasattr(rock, "youngs_modulus") else tuple(rock)
 
 
 def curvature(z, h, largest_radius=None, concave="magnitude"):
     """Compute the inverse Gaussian radius (y, x) [1/m] of heights ``z`` (y, x) [m].
 
-    It is the root of the product of the curvatures of both profiles at the spacing ``h`` [m].
-
-    The circles go through three points; heights are mirrored at edges. ``largest_radius`` [m]
-    bounds the Gaussian radius; with ``concave`` other than "magnitude" concave profiles are flat.
+    It is the root of the product of the curvatures of both profiles at the spacing ``h`` [m]. The
+    curvature of a profile is that of the circle through three points; heights are mirrored at
+    edges. ``largest_radius`` [m] bounds the Gaussian radius. With ``concave`` other than
+    "magnitude" concave profiles count as straight.
     """
     padded = np.pad(z, 1, mode="reflect")
 
@@ -108,13 +111,17 @@ def curvature(z, h, largest_radius=None, concave="magnitude"):
 
 
 def peaks(z):
-    """Return a mask (y, x) of the cells that are strictly higher than all their neighbours."""
+    """Return a mask (y, x) of the cells of a wall that are strictly higher than all neighbours."""
     around = maximum_filter(z, footprint=_NEIGHBOURS, mode="constant", cval=-np.inf)
     return z > around
 
 
 def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
-    """Compute the oracle's E_a* [Pa] of every pair (y, x), and 1/(1/E_t* + 1/E_b*) [Pa]."""
+    """Compute E_a* [Pa] of every pair (y, x), and 1/(1/E_t* + 1/E_b*) [Pa], for the oracle.
+
+    ``upper_peaks`` and ``lower_peaks`` are masks (y, x) of the cells whose modulus is multiplied by
+    ``peak_modulus_ratio``.
+    """
     above, below = (r.youngs_modulus / (1 - r.poisson_ratio**2) for r in walls_rocks(rock))
     upper = np.where(upper_peaks, peak_modulus_ratio, 1.0) * above
     lower = np.where(lower_peaks, peak_modulus_ratio, 1.0) * below
@@ -124,9 +131,9 @@ def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
 def influence(shape, h, r, modulus):
     """Compute the displacement per unit force [m/N] at offsets (y, x) in cells, Eqs. (17) to (20).
 
-    It is 0 at offset (0, 0). Spacing ``h`` and base radius ``r`` are in m, the modulus in Pa. Up
-    to ten base radii the printed form is used; beyond, where that loses its digits, its
-    hypergeometric series.
+    It is 0 at offset (0, 0). Spacing ``h`` and base radius ``r`` are in m, the modulus in Pa. Up to
+    ten base radii the printed form is used. Beyond, where the printed form loses its digits, it is
+    replaced by its hypergeometric series.
     """
     y, x = np.indices(shape)
     zeta = h * np.hypot(y, x)
@@ -141,9 +148,10 @@ def influence(shape, h, r, modulus):
 
 
 def interaction(force, h, r, modulus, at=None):
-    """Compute displacements [m] by the forces (y, x) [N] of all other cells.
+    """Compute the displacements [m] of cells by the forces (y, x) [N] of all other cells.
 
-    They are (n,) at the flat indices ``at`` (n,), or (y, x) at all cells.
+    They are (n,) at the cells of flat indices ``at`` (n,), or by default (y, x) at all cells.
+    ``h``, ``r`` and ``modulus`` are as for `influence`.
     """
     nx = force.shape[1]
     table = influence(force.shape, h, r, modulus)
@@ -158,7 +166,10 @@ def interaction(force, h, r, modulus, at=None):
 
 
 def locked(upper, lower, tolerance=1e-11):
-    """Return a mask (y, x) of the pairs of which neither wall's cell has a lower neighbour."""
+    """Return a mask (y, x) of the pairs of which neither wall's cell has a lower neighbour.
+
+    A neighbour is lower if it is so by more than the ``tolerance`` [m].
+    """
 
     def no_lower(z):
         around = minimum_filter(z, footprint=_NEIGHBOURS, mode="constant", cval=np.inf)
@@ -192,7 +203,8 @@ def forces_of_overlaps(overlap, compliance, substrate):
 def slopes_of_forces(force, compliance, substrate):
     """Compute the slopes dF/d(delta_S) (n,) [N/m] of the contact law at forces (n,) [N].
 
-    They are 0 at forces of 0 and at infinite ones.
+    ``compliance`` and ``substrate`` are as for `forces_of_overlaps`. Slopes are 0 at forces of 0
+    and at infinite ones.
     """
     root = np.cbrt(np.where(np.isinf(force), 0.0, force))
     slope = np.zeros(root.size)
@@ -202,7 +214,10 @@ def slopes_of_forces(force, compliance, substrate):
 
 
 def law_of(joint: PristineJoint, state: State) -> PairLaw:
-    """Compute the contact law of a joint at a state, whose peaks are used if they are current."""
+    """Compute the contact law of a joint at a state.
+
+    Soft peaks are those of the pristine walls, or of the state's walls if the choice is "current".
+    """
     walls = state if joint.choices.peaks == "current" else joint
     ratio = joint.choices.peak_modulus_ratio if joint.effects.soft_peaks else 1.0
     asperity, rock_modulus = moduli(joint.rock, ratio, peaks(walls.upper), peaks(walls.lower))
@@ -212,12 +227,16 @@ def law_of(joint: PristineJoint, state: State) -> PairLaw:
 
 
 def asperity_compliances(kappa, law: PairLaw):
-    """Compute B (y, x) [m N^(-2/3)] from curvatures (y, x) [1/m]."""
+    """Compute the compliances B (y, x) [m N^(-2/3)] of asperities from curvatures (y, x) [1/m]."""
     return np.cbrt(9 * kappa / (16 * law.asperity**2))
 
 
 def overlaps_of(joint: PristineJoint, state: State, law: PairLaw):
-    """Return the cells (n,) that overlap undeformed or carry force, flat, and their delta_S [m]."""
+    """Return the cells that may be in contact (n,), by flat index, and their overlaps (n,) [m].
+
+    They are the cells that overlap without interaction, and those that carry force. The overlap
+    delta_S is less the interaction of the state's forces, and may be negative.
+    """
     overlap = state.upper + state.lower - ((joint.upper + joint.lower).max() - state.closure)
     cells = np.flatnonzero((overlap > 0) | (state.force > 0))
     overlap = overlap.ravel()[cells]
@@ -229,10 +248,11 @@ def overlaps_of(joint: PristineJoint, state: State, law: PairLaw):
 
 
 def pressures_over_limit(joint: PristineJoint, state: State):
-    """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall.
+    """Compute c(nu) p0 / sigma_c (y, x) [1], Eqs. (5), (22), (23), for the weaker wall.
 
-    If the base bounds the strength, the ratio is at least the cube root of 3/2 c F / (sigma_c pi
-    r^2), because p0 goes with the cube root of the force.
+    p0 is the largest Hertz pressure under the state's force. If the base bounds the strength, the
+    ratio is at least the cube root of 3/2 c F / (sigma_c pi r^2), because p0 goes with the cube
+    root of the force.
     """
     asperity, kappa = law_of(joint, state).asperity, _curvatures(joint, state)
     deformation = (9 * kappa * state.force**2 / (16 * asperity**2)) ** (1 / 3)
@@ -287,7 +307,11 @@ def judge(joint: PristineJoint, state: State) -> Verdict:
 
 
 def volume_change(before, after):
-    """Compute |sum z - sum z0| / sum |z0 - min z0| of a wall, summed without rounding."""
+    """Compute |sum z - sum z0| / sum |z0 - min z0| of a wall, summed without rounding.
+
+    z0 are the heights (y, x) [m] ``before``, z those ``after``. The change of a flat wall is 0 or
+    infinite.
+    """
     change = abs(math.fsum([*after.ravel(), *(-before).ravel()]))
     if change == 0.0:
         return 0.0
@@ -298,8 +322,9 @@ def volume_change(before, after):
 def raised(before, after, gouge):
     """Return the largest rise of a wall that nothing can cause, over its range of heights.
 
-    Without gouge no cell can rise. With gouge no cell rises above the one whose material it
-    receives, so that only a rise of the highest height counts.
+    Without gouge no cell can rise. With gouge no cell rises above the cell whose material it
+    receives, so that only a rise of the highest height counts. The rise of a flat wall is 0 or
+    infinite.
     """
     rise = float(after.max() - before.max() if gouge else (after - before).max())
     if rise <= 0.0:
@@ -309,7 +334,10 @@ def raised(before, after, gouge):
 
 
 def _excess(joint: PristineJoint, state: State) -> float:
-    """Return the largest c p0/sigma_c - 1 of the contacts that can break, at least 0."""
+    """Return the largest c p0/sigma_c - 1 of the contacts that can break, at least 0.
+
+    It is 0 without breakage. With gouge locked contacts cannot break.
+    """
     if not joint.effects.breakage:
         return 0.0
     load = pressures_over_limit(joint, state)

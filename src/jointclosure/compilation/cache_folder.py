@@ -8,11 +8,15 @@ from functools import lru_cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-"""Folder of jointclosure."""
+"""Folder of the package jointclosure."""
 
 
 def cache_root() -> Path:
-    """Return the folder of compiled kernels and of digests."""
+    """Return the folder for compiled kernels and for digests of code; it may not exist yet.
+
+    It is the one that the variable JOINTCLOSURE_CACHE names, or is beside the package if that can
+    be written, or in the user's cache folder, or else a `temporary_cache`.
+    """
     if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
         return Path(chosen)
     beside = PACKAGE / "__pycache__"
@@ -24,9 +28,9 @@ def cache_root() -> Path:
 
 
 def has_home() -> bool:
-    """Return whether the user has a home folder: HOME is set, or the list of users has one.
+    """Return whether the user has a home folder, because HOME is set or the system lists one.
 
-    Many containers have neither.
+    In many containers there is none.
     """
     try:
         return bool(Path.home())
@@ -36,7 +40,10 @@ def has_home() -> bool:
 
 @lru_cache(maxsize=None)
 def temporary_cache() -> Path:
-    """Return a folder for temporary files that no other user can write; a new one if need be."""
+    """Return a folder for temporary files that no other user can write.
+
+    It is the one of this user if it can be trusted, which is made if need be, or else a new one.
+    """
     user = os.getuid() if hasattr(os, "getuid") else 0
     folder = Path(tempfile.gettempdir()) / f"jointclosure-{user}"
     with contextlib.suppress(OSError):

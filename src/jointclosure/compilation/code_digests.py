@@ -3,7 +3,8 @@
 Comments, docstrings and layout have no effect: the digest is that of the syntax tree without them.
 Descriptions of keys have no effect if nothing shows them (`SHOWN_BY`). A module that is imported
 inside of a function counts as any other. The modules that a package's ``__init__`` imports count if
-something is imported from the package itself, but not if it is imported from one of its modules.
+something is imported from the package itself, but not if something is imported from one of the
+package's modules.
 """
 
 import ast
@@ -21,7 +22,7 @@ from typing import TypeGuard
 from jointclosure.compilation.cache_folder import PACKAGE, cache_root
 
 ROOTS = {PACKAGE.name: PACKAGE, "studies": PACKAGE.parents[1] / "studies"}
-"""Folders of the packages whose code counts; that of studies exists in a clone only."""
+"""Folders of the packages whose code counts; the folder of studies exists in a clone only."""
 SHOWN_BY = {"entry": "studies/paper/report/content.py"}
 """Calls whose first argument is a text for readers (description of a key), and the module through
 which it reaches results. The text counts only if that module is imported."""
@@ -38,10 +39,11 @@ UNCOUNTED = (
 def code_digest(*names: str, titles: bool = True) -> str:
     """Return the digest (16 hexadecimal digits) of modules and of all modules that they import.
 
-    Names are those of modules below the package ("solvers.fast"), full names of modules of studies,
-    paths of scripts (ending in .py), or functions of modules
+    A name is that of a module below the package ("solvers.fast"), the full name of a module of
+    studies, the path of a script (ending in .py), or a function of a module
     ("studies.paper.judged_claims:judge_claims"), of which only what the function uses counts.
-    Without ``titles`` those of `TITLED` do not count. Digests are stored in `cache_root`, as
+    Without ``titles`` the texts of `TITLED` do not count. Raise `FileNotFoundError` for an unknown
+    module, and `KeyError` for an unknown function. Digests are stored in `cache_root`, because
     reading the syntax takes most of the time of a start.
     """
     scripts = [Path(name).read_bytes() for name in names if name.endswith(".py")]
@@ -62,7 +64,7 @@ def code_digest(*names: str, titles: bool = True) -> str:
 
 
 def _code_digest(*names: str, titles: bool) -> str:
-    """Return `code_digest`, from the files."""
+    """Compute the `code_digest` of names from the files, without the store."""
     files: set[Path] = set()
     functions: list[ast.AST] = []
     for name in names:
@@ -88,7 +90,7 @@ def _code_digest(*names: str, titles: bool) -> str:
 
 
 def package_digest() -> str:
-    """Return the digest of all code of the package."""
+    """Return the `code_digest` of all modules of the package."""
     return code_digest(*(_module_name(file) for file in ROOTS["jointclosure"].rglob("*.py")))
 
 
@@ -104,7 +106,7 @@ def raw_digest() -> str:
 
 
 def with_imports(files: set[Path]) -> set[Path]:
-    """Return files and all files of the package that they import, directly or indirectly."""
+    """Return source files and all files of `ROOTS` that they import, directly or indirectly."""
     files_found: set[Path] = set()
     waiting = set(files)
     while waiting:
@@ -126,7 +128,10 @@ def _path_of_name(name: str) -> Path:
 
 
 def _files_of(name: str) -> set[Path]:
-    """Return the files of a module or package by its name, full or below the package."""
+    """Return the files of a module or package by its name, full or below the package.
+
+    Raise `FileNotFoundError` if there is none.
+    """
     top, *parts = name.split(".")
     base = (
         ROOTS[top].joinpath(*parts)
@@ -153,12 +158,12 @@ def _module_name(file: Path) -> str:
 
 @lru_cache(maxsize=None)
 def _imports(file: Path) -> frozenset[Path]:
-    """Return the files of the package that a file imports directly."""
+    """Return the files of `ROOTS` that a source file imports directly."""
     return _imported_files(_tree(file))
 
 
 def _imported_files(tree: ast.AST) -> frozenset[Path]:
-    """Return the files of the package that are imported in a part of the syntax of a file."""
+    """Return the files of `ROOTS` that a part of the syntax of a file imports."""
     imported: set[Path] = set()
     for node in _executed_nodes(tree):
         if isinstance(node, ast.Import):
@@ -173,7 +178,7 @@ def _imported_files(tree: ast.AST) -> frozenset[Path]:
 
 
 def _executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """Generate the parts of the syntax, without imports for type checkers alone."""
+    """Generate the parts of a syntax tree, without imports for type checkers alone."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -183,7 +188,11 @@ def _executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _used_statements(file: Path, function: str) -> list[ast.AST]:
-    """Return the statements of a module that a function uses by name, imports and its own too."""
+    """Return the statements of a module that a function uses, directly or by what it uses.
+
+    They are imports, definitions and assignments of names at the top of the module, and the
+    function itself. Raise `KeyError` if the module has no such function.
+    """
     bound: dict[str, list[ast.AST]] = {}
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -215,7 +224,7 @@ def _stores_name(part: ast.AST) -> TypeGuard[ast.Name]:
 
 
 def _module_files(name: str) -> set[Path]:
-    """Return the file of a module of the package by its full dotted name; none for others."""
+    """Return the file of a module of `ROOTS` by its full dotted name; none for other modules."""
     top, *parts = name.split(".")
     if top not in ROOTS:
         return set()
@@ -235,12 +244,16 @@ def _tree(file: Path) -> ast.Module:
 
 @lru_cache(maxsize=None)
 def _code(file: Path, unseen: frozenset[str]) -> str:
-    """Return the syntax of a file as text, without docstrings, positions and some other texts."""
+    """Return the syntax of a source file as text, like `_reduced_text`."""
     return _reduced_text(ast.parse(file.read_text(encoding="utf-8"), filename=str(file)), unseen)
 
 
 def _reduced_text(tree: ast.AST, unseen: frozenset[str]) -> str:
-    """Return a part of the syntax as `_code` does; the part is changed."""
+    """Return a part of the syntax as text, without docstrings, positions and unseen texts.
+
+    ``unseen`` are the names of calls and variables whose texts are left out (`SHOWN_BY`, `TITLED`).
+    The part of the syntax is changed in place.
+    """
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):

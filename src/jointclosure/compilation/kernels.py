@@ -1,10 +1,10 @@
 """Compilation of kernels, and location of their machine code.
 
 Numba's check of its disk cache considers only the file of a function, so that an edit in another
-module that it calls gives silently wrong numbers. Therefore the cache folder is named by a digest
-of the code of the kernels and of the versions that compile it. Shipped machine code is loaded where
-code, versions and processor allow. Numba's settings, which apply to the whole process, are not
-changed.
+module whose functions it calls gives silently wrong numbers. Therefore the cache folder is named by
+a digest of the code of the kernels and of the versions that compile it. Shipped machine code is
+loaded where code, versions and processor allow. Numba's settings, which apply to the whole process,
+are not changed.
 """
 
 import hashlib
@@ -34,14 +34,15 @@ from jointclosure.compilation.code_digests import code_digest
 
 SHIPPED = PACKAGE / "compiled"
 """Machine code in the package, made by ``python -m jointclosure.joint.warmup ship``."""
-X86 = platform.machine() in ("x86_64", "AMD64")  # names of one kind of processor
+X86 = platform.machine() in ("x86_64", "AMD64")  # both are names of this kind of processor
 PROCESSOR = "x86-64-v3" if X86 else "generic"
-"""Processor of shipped code: it takes the time of code for a newer one, and gives the same bits."""
+"""Processor for which shipped code is made: the code is as fast as code for a newer processor, and
+gives the same bits."""
 FEATURES = {"+avx2", "+bmi", "+bmi2", "+f16c", "+fma", "+lzcnt", "+movbe"} if X86 else set()
-"""What a processor needs to run it."""
+"""Features that a processor needs to run shipped code."""
 
 _NUMBER = "number_of_kernels"
-"""File beside machine code with the number of kernels, written when all were compiled."""
+"""File beside machine code with the number of all kernels, written when all were compiled."""
 
 KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 """Packages that contain kernels; modules that they import are included too."""
@@ -59,12 +60,12 @@ def cache_folder() -> Path:
 
 @lru_cache(maxsize=None)
 def _resolved_path(file: str) -> Path:
-    """Return the path of a module without links; it is kept, because many kernels ask for it."""
+    """Return the path of a module without links; it is kept, because many kernels need it."""
     return Path(file).resolve()
 
 
 class _Folder(_CacheLocator):
-    """Location of a function's machine code in `cache_folder`, whose name identifies the code."""
+    """Location of a kernel's machine code in `cache_folder`, whose name identifies the code."""
 
     def __init__(self, function: Callable[..., Any], file: str):
         if _resolved_path(file).is_relative_to(PACKAGE):
@@ -90,10 +91,10 @@ class _Folder(_CacheLocator):
 
 
 class _InFolder(CompileResultCacheImpl):
-    """Writer of Numba's cache files, which do not depend on the place of a function in its source.
+    """Writer of Numba's cache files, which do not depend on the line of a function in its source.
 
-    A file has the name of its function without the line, which a comment above it would change. The
-    annotated source, which has paths of this machine, is left out.
+    The name of a file has the name of its function without the line, which a comment above it would
+    change. The annotated source, which has paths of this machine, is left out.
     """
 
     _locator_classes = (_Folder,)  # type: ignore[assignment]
@@ -114,7 +115,10 @@ def _runs_shipped_code(target: tuple[str, str, str]) -> bool:
 
 
 class _KernelCache(FunctionCache):
-    """Machine code of one kernel on the disk; compilations are announced once, and counted."""
+    """Machine code of one kernel on the disk.
+
+    The first compilation of a process is announced, and all are counted.
+    """
 
     _impl_class = _InFolder
     misses = 0
@@ -139,10 +143,11 @@ class _KernelCache(FunctionCache):
         return f"{said} in every process, as {where}; set JOINTCLOSURE_CACHE to a folder that can"
 
     def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
-        """Load as `Cache.load_overload`, shipped code first; None if it must be compiled.
+        """Load the machine code for a signature, shipped code first; None if it must be compiled.
 
-        Only the runtime of Numba is initialised, not the registries of its compiler, which take a
-        third of a second. A compilation loads these itself.
+        It takes the place of Numba's `Cache.load_overload`. Only the runtime of Numba is
+        initialised, not the registries of its compiler, which take a third of a second. A
+        compilation loads these itself.
         """
         rtsys.initialize(target_context)
         key = self._index_key(sig, target_context.codegen())  # type: ignore[no-untyped-call]
@@ -161,12 +166,16 @@ class _KernelCache(FunctionCache):
 
 
 def compiles() -> int:
-    """Return how often this process compiled instead of loading machine code from the cache."""
+    """Return how often this process compiled a kernel instead of loading its machine code."""
     return _KernelCache.misses
 
 
 def stored_kernels() -> tuple[int, int | None]:
-    """Return the number of kernels whose machine code is stored, and of all; None if not known."""
+    """Return the number of kernels whose machine code is stored, and the number of all kernels.
+
+    The latter is None if it is not known. Shipped machine code counts as stored if this processor
+    can run it.
+    """
     folders = [cache_folder(), *_shipped_folder()]
     kernels = {kernel for folder in folders for kernel in _kernels_in(folder)}
     return len(kernels), max(filter(None, map(_stated_number, folders)), default=None)
@@ -178,18 +187,18 @@ def all_are_shipped() -> bool:
 
 
 def _shipped_folder() -> list[Path]:
-    """Return the folder of the shipped kernels, if this processor can run them."""
+    """Return the folder of the shipped kernels in a list, empty if they cannot run here."""
     runs = _runs_shipped_code(cpu_target.target_context.codegen().magic_tuple())
     return [SHIPPED / cache_folder().name] if runs else []
 
 
 def _kernels_in(folder: Path) -> set[Path]:
-    """Return the names of the kernels whose machine code is in a folder."""
+    """Return the paths, within a folder, of the index files of kernels with machine code there."""
     return {file.relative_to(folder) for file in folder.rglob("*.nbi")}
 
 
 def _stated_number(folder: Path) -> int | None:
-    """Return the number of all kernels that a folder states; None if it states none."""
+    """Return the number of all kernels that is stored in a folder, None if there is none."""
     file = folder / _NUMBER
     return int(file.read_text(encoding="utf-8")) if file.is_file() else None
 
@@ -206,22 +215,26 @@ def store_number_of_kernels() -> None:
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic; 0/0 raises nothing.
+    """Compile a numerical function as a kernel, whose machine code is copied into its callers.
 
-    A closure is named after the plain values that it closes over: without these, two closures of
-    one factory, compiled in two processes, could have one name, and fail in a third process that
-    loads both.
+    The code is cached on disk, serial, and in IEEE arithmetic: 0/0 raises nothing. A closure is
+    named after the flags (bool) that it closes over. Without these, two closures of one factory,
+    compiled in two processes, could have one name, and fail in a third process that loads both.
     """
     return _compile(function, inlined=True)
 
 
 def large_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a kernel as `kernel`, without copying its code into its callers."""
+    """Compile a function as `kernel`, but without copying its machine code into its callers."""
     return _compile(function, inlined=False)
 
 
 def _compile(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
-    """Compile a kernel into the cache on disk, named after the flags that it closes over."""
+    """Compile a function with the cache on disk, named after the flags (bool) that it closes over.
+
+    If Numba's compilation is disabled, a Python function that ignores floating-point warnings is
+    returned.
+    """
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     flags = [(name, cell.cell_contents) for name, cell in cells]
     function.__qualname__ += "".join(
@@ -238,7 +251,7 @@ def _compile(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
     )
     # like `enable_caching`, which would use the folder set for the whole process
     compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
-    # exceptions name their file: that of the package, so that machine code has no path of a machine
+    # exceptions name a file: the module's name, so that machine code has no path of this machine
     name = f"{function.__module__}.py"
     function.__code__ = function.__code__.replace(co_filename=name)
     return compiled

@@ -22,12 +22,13 @@ from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 
 
 class Entry(NamedTuple):
-    """File of a cache with a dataset, which the function ``make`` computes if it is not there.
+    """Entry of a cache: a file with a dataset, which ``make`` computes if the file is absent.
 
-    ``make`` receives the ``settings`` and, as keywords, the ``options`` and a function ``report``.
-    The key of the file depends on the settings, and on the code of the functions that ``make``
-    ``uses`` by name ("module:function"). Options do not change the result. The time of an entry is
-    expected to be proportional to its number of ``joints``.
+    The function ``make`` is called with the ``settings`` and, as keywords, the ``options`` and a
+    function ``report``, which takes a line of text. The key of the file depends on the settings,
+    and on the code of ``make`` and of the functions ("module:function") in ``uses``. Options must
+    not change the result. The time of an entry is expected to be proportional to its number of
+    ``joints``.
     """
 
     name: str
@@ -39,12 +40,12 @@ class Entry(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Digest of the settings, and of the code of the maker."""
+        """Digest of the settings of the entry, and of the code on which its result depends."""
         made_by = f"{self.make.__module__}:{self.make.__name__}"
         return digest(_code(made_by, *self.uses), self.settings)
 
     def file(self, folder: Path) -> Path:
-        """Return the path of the file in the folder of a cache."""
+        """Return the path of the entry's file in the folder of a cache."""
         return folder / f"{self.name}.nc"
 
 
@@ -54,7 +55,7 @@ def _code(*functions: str) -> str:
 
 
 def is_kept(entry: Entry, folder: Path) -> bool:
-    """Return whether the file of an entry is there, whole, and of this key."""
+    """Return whether the file of an entry is in the folder, is whole, and has the entry's key."""
     try:
         with reading_netcdf(entry.file(folder)) as stored:
             return stored.attrs.get("key") == entry.key
@@ -71,11 +72,13 @@ def make_missing(
     prepare: Callable[[], object] = lambda: None,
     apart: bool = True,
 ) -> None:
-    """Make the files of entries that are not kept, each with its log and benchmark.
+    """Make the files of the cache entries that are not kept in a folder, in parallel.
 
-    ``prepare`` is called before the processes start, if anything is missing. ``apart`` is as for
-    `in_processes`. If some could not be made, an error is raised after all others: `InputError` if
-    that was the first reason, or else `RuntimeError`.
+    Each file gets a log and a benchmark of its time. ``report`` is called with lines of progress
+    that begin with ``title``. ``prepare`` is called before the processes start, if anything is
+    missing. ``workers`` and ``apart`` are as for `in_processes`. If some files could not be made,
+    an error is raised after all others were made: `InputError` if the first failure was one, or
+    else `RuntimeError`.
     """
     entries = list(entries)
     missing = [entry for entry in entries if not is_kept(entry, folder)]
@@ -104,7 +107,7 @@ def make_missing(
 
 
 def _make(entry: Entry, key: str, folder: Path) -> None:
-    """Make the file of an entry, in a worker."""
+    """Make the file of an entry with its key in a folder, in a worker; errors go to its log too."""
     log = folder / f"logs/{entry.name}.log"
     benchmark = folder / f"benchmarks/{entry.name}.tsv"
     with logging_to(log, benchmark, raised=True) as logbook:
@@ -113,7 +116,7 @@ def _make(entry: Entry, key: str, folder: Path) -> None:
 
 
 def _described(entry: Entry, error: Exception) -> str:
-    """Describe a failure: its reason, the notes of the error, and advice for lost processes."""
+    """Describe why an entry failed: its error, the error's notes, and advice for lost processes."""
     notes = list(getattr(error, "__notes__", []))
     if isinstance(error, ProcessLostError):
         notes.append("systems that run out of memory kill processes: start again with CORES=1")

@@ -6,15 +6,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-_BETWEEN_LINES = 30.0  # time [s] between two lines
-_PART = 0.1  # share of the work between two lines
+_BETWEEN_LINES = 30.0  # time [s] between two lines of progress
+_PART = 0.1  # share of the work between two lines of progress
 _IMPORTED = time.perf_counter()
-FIRST_LOADING = 5.0  # time over that of a later cycle, if it is not replayed: measured 4 to 10
+FIRST_LOADING = 5.0  # its time over that of a later cycle that is not replayed: 4 to 10 measured
 
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar on a terminal, else lines; yield a function of the finished share and the step."""
+    """Show a progress bar on a terminal, or print lines of progress now and then elsewhere.
+
+    Yield a function that is to be called with the finished share of the work and the present step.
+    """
     # jobs do without it, and hundreds of them are started
     from rich import console, progress
 
@@ -36,7 +39,10 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
 
 @contextmanager
 def load_cycle_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
-    """Show a bar for the load cycles of a joint; yield a function for `jointclosure.simulate`."""
+    """Show the progress of simulating a joint by its load cycles, as a `bar`.
+
+    Yield a function to be given as ``report`` to `jointclosure.simulate`.
+    """
     with bar("simulating") as show:
 
         def report(cycle: int, branch: str, share: float) -> None:
@@ -48,12 +54,20 @@ def load_cycle_bar(cycles: int) -> Iterator[Callable[[int, str, float], None]]:
 
 
 def remaining(seconds: float, done: float, left: float) -> float | None:
-    """Return the remaining time [s], from that of the work done; None before a tenth is done."""
+    """Return the time [s] that the rest of some work will take, as the work before did.
+
+    ``seconds`` is the time of the part ``done``; ``left`` is the rest, in the same unit of work.
+    Return None before a tenth is done.
+    """
     return seconds * left / done if 0.0 < _PART * (done + left) <= done else None
 
 
 class Countdown:
-    """Count of the parts of some work, reported with the remaining time now and then."""
+    """Count of the finished parts of some work, which reports the remaining time now and then.
+
+    It is called with a number of parts that are finished, by default one. ``report`` is then called
+    with a line of text after a tenth of the ``total``, after `_BETWEEN_LINES`, and at the end.
+    """
 
     def __init__(self, title: str, total: int, report: Callable[[str], None]):
         self.title = title
@@ -76,7 +90,7 @@ class Countdown:
 
 
 def seconds_of_process() -> float:
-    """Return the wall time [s] since this process started, with the time of its imports.
+    """Return the wall time [s] since this process started, imports included.
 
     On systems without /proc it is the time since this module was imported.
     """
@@ -89,7 +103,7 @@ def seconds_of_process() -> float:
 
 
 def duration(seconds: float) -> str:
-    """Format seconds: "0.35 s", "8.2 s", "12 s", "2 min 5 s", "3 h 20 min"."""
+    """Format a time [s]: "0.35 s", "8.2 s", "12 s", "2 min 5 s", "3 h 20 min"."""
     if seconds < 9.95:
         return f"{seconds:.2g} s"
     whole = round(seconds)

@@ -1,7 +1,8 @@
-"""Work shared among processes that run `work`, with one task at a time for each of them.
+"""Work shared among worker processes that run `work`, with one task at a time for each of them.
 
-Unlike those of `multiprocessing` they never run the script of the caller again, and if one dies
-only its current task is lost. They are killed when their caller ends, also in a task.
+Unlike the processes of `multiprocessing`, workers never run the script of the caller again, and if
+a worker dies only its current task is lost. Workers are killed when their caller ends, also during
+a task.
 """
 
 import ctypes
@@ -25,19 +26,20 @@ _PR_SET_PDEATHSIG = 1
 
 
 class ProcessLostError(RuntimeError):
-    """Error if the process of a worker ended before its task was done."""
+    """Error of a task whose worker process ended before the task was done."""
 
 
 class Failed(NamedTuple):
-    """Exception of a task, or the reason why its worker ended."""
+    """Result of a task that failed, with the exception that it raised, or a `ProcessLostError`."""
 
     error: Exception
 
 
 def number_of_workers(workers: int | None) -> int:
-    """Return a number of workers, by default that of the processors available to this process.
+    """Return the number of worker processes: ``workers``, or by default all available processors.
 
-    Raise `InputError` unless it is at least 1.
+    These are the processors that this process may use. Raise `InputError` if ``workers`` is not a
+    whole number of at least 1.
     """
     if workers is None:
         affinity = getattr(os, "sched_getaffinity", None)
@@ -49,10 +51,11 @@ def number_of_workers(workers: int | None) -> int:
 def in_processes(
     function: Callable[..., Any], tasks: Sequence[tuple], workers: int, apart: bool = False
 ) -> Iterator[tuple[int, Any]]:
-    """Generate (place, result or `Failed`) of calls of a function, in the order in which they end.
+    """Generate (place, result or `Failed`) of tasks of a function, in the order in which they end.
 
-    The function is one of a module, a task is the arguments of a call. With one worker the calls
-    are made in the current process, unless ``apart``.
+    The function must be one of a module that can be imported, and a task is the tuple of arguments
+    of one call. The place is the index of the task. With one worker the calls are made in the
+    current process, unless ``apart``. Workers are killed when the generator ends or is closed.
     """
     if workers == 1 and not apart:
         for place, task in enumerate(tasks):
@@ -61,17 +64,18 @@ def in_processes(
     pool = _Workers()
     try:
         yield from _as_finished(partial(pool.ask, function), tasks, workers, pool.stop)
-    finally:  # a thread may have started one when all were stopped
+    finally:  # a thread may have started a worker after all were stopped
         pool.stop()
 
 
 def in_threads(
     function: Callable[..., Any], tasks: Sequence[Any], threads: int
 ) -> Iterator[tuple[int, Any]]:
-    """Generate (place, result) of calls of a function in threads, in the order in which they end.
+    """Generate (place, result) of tasks of a function in threads, in the order in which they end.
 
-    The function receives a task, and a function that it must call now and then. That one raises
-    `InterruptedError` once the results are no longer wanted.
+    The function is called with a task, and with a function that it must call now and then, which
+    raises `InterruptedError` once the results are no longer wanted. An exception of a task is
+    raised here.
     """
     ended = threading.Event()
 
@@ -85,7 +89,11 @@ def in_threads(
 def _as_finished(
     call: Callable[[Any], Any], tasks: Sequence[Any], threads: int, stop: Callable[[], None]
 ) -> Iterator[tuple[int, Any]]:
-    """Generate (place, result) of tasks in threads; ``stop`` ends those that go on at the end."""
+    """Generate (place, result) of the tasks of ``call`` in threads, in the order in which they end.
+
+    ``stop`` is called at the end, or when the caller takes no more results; it must end those calls
+    that are still running.
+    """
     with ThreadPoolExecutor(max(1, min(threads, len(tasks)))) as pool:
         waiting = {pool.submit(call, task): place for place, task in enumerate(tasks)}
         try:
@@ -97,14 +105,17 @@ def _as_finished(
 
 
 class _Workers:
-    """One worker for each thread that uses it, started when needed."""
+    """Worker processes: one for each thread that uses it, started at the thread's first call."""
 
     def __init__(self) -> None:
         self._of_thread = threading.local()
         self._all: list[subprocess.Popen] = []
 
     def ask(self, function: Callable[..., Any], task: tuple) -> Any:
-        """Return the answer of the worker of this thread."""
+        """Return the result of a call of a function in the worker of this thread, or `Failed`.
+
+        If the worker ends during the call, the thread gets a new worker at its next call.
+        """
         worker = getattr(self._of_thread, "worker", None) or self._start()
         assert worker.stdin is not None  # both are pipes
         assert worker.stdout is not None
@@ -132,7 +143,7 @@ class _Workers:
         return worker
 
     def stop(self) -> None:
-        """End every worker."""
+        """Kill every worker."""
         for worker in self._all:
             worker.kill()
             worker.wait()
@@ -158,14 +169,18 @@ def end_with_parent(parent: int) -> None:
 
 
 def _kill_without(parent: int) -> None:
-    """Kill this process once it has another parent."""
+    """Wait until this process has another parent than ``parent``, and kill this process then."""
     while os.getppid() == parent:
         time.sleep(0.2)
     os.kill(os.getpid(), signal.SIGKILL)
 
 
 def work(parent: int) -> None:
-    """Answer requests on standard input, where nothing else writes, until it or the parent ends."""
+    """Answer the requests of a parent process on standard input, until it or the input ends.
+
+    A request is a pickled pair of a function and its arguments; its pickled result, or `Failed`,
+    goes to standard output. What the function prints goes to standard error instead.
+    """
     end_with_parent(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is interrupted too, and ends this
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")

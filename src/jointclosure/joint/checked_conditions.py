@@ -52,7 +52,7 @@ class CheckedConditions(NamedTuple):
 
     @property
     def grid_spacing(self) -> float:
-        """Grid spacing [m] of walls; `InputError` if neither user nor walls have stated it."""
+        """Grid spacing [m] of the walls; raises `InputError` if it is not known yet."""
         spacing = cast(float, self.spacing)
         if spacing is None:
             check_length("spacing", spacing)
@@ -60,17 +60,17 @@ class CheckedConditions(NamedTuple):
 
     @property
     def cycle_count(self) -> int:
-        """Number of load cycles."""
+        """Number of load cycles of the simulation."""
         return len(self.load.load_cycles)
 
     @property
     def largest_stress(self) -> float:
-        """Largest normal stress of all cycles [Pa]."""
+        """Largest normal stress [Pa] of all load cycles."""
         return self.load.largest
 
     @property
     def model(self) -> tuple[Effects, Choices, Numerics]:
-        """Effects, choices and numerics."""
+        """Effects, choices and numerics of the simulation."""
         return self.effects, self.choices, self.numerics
 
     def attributes(self) -> dict[str, Any]:
@@ -85,10 +85,10 @@ class CheckedConditions(NamedTuple):
 
 
 def check_together(conditions: CheckedConditions) -> None:
-    """Raise `InputError` if values that are each allowed do not fit each other.
+    """Raise `InputError` if conditions that are each allowed do not fit each other.
 
-    It is called for checked conditions, and again where one of their values was changed to
-    another allowed one. A radius is compared with the grid spacing if this is known.
+    It is called for checked conditions, and again where one of them was changed to another allowed
+    value. A radius is compared with the grid spacing if this is known.
     """
     check_crushed_strength(conditions.choices)
     if conditions.spacing is not None:
@@ -105,8 +105,8 @@ def check_together(conditions: CheckedConditions) -> None:
 def on_grid(checked: CheckedConditions, spacing: float) -> CheckedConditions:
     """Return checked conditions with the grid spacing [m] that the walls determine.
 
-    A stated spacing, which the walls then have, was checked with the conditions. Raise `InputError`
-    if another one is unusual, or does not fit the other conditions.
+    A stated spacing equal to it was checked with the conditions. Raise `InputError` if another one
+    is unusual, or does not fit the other conditions.
     """
     if spacing == checked.spacing:
         return checked
@@ -118,9 +118,10 @@ def on_grid(checked: CheckedConditions, spacing: float) -> CheckedConditions:
 
 
 def check_named_stresses(stresses: Sequence[float], checked: CheckedConditions) -> None:
-    """Raise `InputError` unless stresses [Pa] are above 0, and from seating to the largest maximum.
+    """Raise `InputError` unless stresses [Pa], at which closures are read, are within the load.
 
-    Closures count from the seating stress, which ``checked`` conditions have.
+    They must be above 0, and from the seating stress of the ``checked`` conditions to the largest
+    maximum.
     """
     largest = checked.largest_stress
     seating = checked.seating_stress
@@ -139,7 +140,11 @@ def check_named_stresses(stresses: Sequence[float], checked: CheckedConditions) 
 def model_attributes(
     rock: tuple[Rock, Rock], spacing: float, effects: Effects, choices: Choices, numerics: Numerics
 ) -> dict[str, Any]:
-    """Return rock, spacing and model as attributes of a dataset; the rock as `rock_record`."""
+    """Return rock, grid spacing [m], effects, choices and numerics as attributes of a dataset.
+
+    All but the spacing are texts in JSON, the rock as in `rock_record`. An attribute names the
+    conventions of the dataset.
+    """
     names = (name for name, known in ROCKS.items() if rock == (known.intact, known.intact))
     switches = {name: bool(on) for name, on in effects._asdict().items()}
     return {

@@ -93,7 +93,8 @@ class Conditions(NamedTuple):
     def checked(self, snapshots: Sequence[float] = ()) -> CheckedConditions:
         """Return the conditions with their values as simulations use them.
 
-        Raise `InputError` if a condition, or a stress [Pa] of the snapshots, is not allowed.
+        ``snapshots`` are the stresses [Pa] of snapshots. Raise `InputError` if a condition or a
+        snapshot is not allowed.
         """
         pair: tuple[Rock, Rock] = both_walls(self.rock)
         check_model(*self.model)
@@ -129,7 +130,7 @@ class Conditions(NamedTuple):
 
 
 def as_stated(checked: CheckedConditions) -> Conditions:
-    """Return checked conditions as a user would state them."""
+    """Return checked conditions as the `Conditions` that a user would state to get them."""
     load = checked.load
     return Conditions(
         checked.spacing,
@@ -143,7 +144,7 @@ def as_stated(checked: CheckedConditions) -> Conditions:
 takes_conditions = takes(Conditions)
 """Decorator of functions with the fields of `Conditions` as ``**changes``."""
 SCAN_DEFAULTS: Mapping[str, Any] = {"numerics": RESOLVED, "spacing": None}
-"""Values of functions that take scans, which hold without ``conditions``."""
+"""Defaults of functions that take scans, which apply if they are called without ``conditions``."""
 takes_scans = takes(Conditions, **SCAN_DEFAULTS)
 """Decorator of functions with the fields of `Conditions` as ``**changes``, where scans determine
 the spacing. Without ``conditions`` breakage is resolved, unless ``numerics`` are given;
@@ -159,9 +160,10 @@ def conditions_from(
 ) -> Conditions:
     """Return ``conditions`` with the fields ``changes``, or new conditions with these fields.
 
-    New conditions have the ``defaults`` of the function for fields that are not among the changes.
-    Values are not checked. Raise `TypeError` for an unknown field, and for new conditions without
-    rock, maximum stress or one of the ``required`` fields; the message names the ``function``.
+    New conditions are made if ``conditions`` is None. They have the ``defaults`` of the calling
+    function for fields that are not among the changes. Values are not checked. Raise `TypeError`
+    for an unknown field, and for new conditions without rock, maximum stress or one of the
+    ``required`` fields; the message names the ``function``.
     """
     needed = (*required, "rock", "max_normal_stress") if conditions is None else ()
     inside = {

@@ -11,13 +11,14 @@ from jointclosure.joint.status import LOADING
 
 CHORD_START = 0.5
 """Stress at which the chord of the net stiffness starts, over the maximum of the cycle."""
-_LOOP_ROUNDING = 1e-12  # difference of closures over that of loading, up to which it is rounding
+_LOOP_ROUNDING = 1e-12  # difference of closures over the closure, up to which it is rounding
 
 
 def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
-    """Return the largest excess of unloading over loading at equal closure (cycles,) [Pa].
+    """Return by how much unloading exceeds loading at equal closure, at most (cycles,) [Pa].
 
-    It is NaN in a cycle that was not unloaded to its minimum in ``minima`` (cycles,) [Pa].
+    The excess of stress is at least 0. It is NaN in a cycle that was not unloaded to its minimum in
+    ``minima`` (cycles,) [Pa].
     """
     history = history_of(joint)
     excess = np.full(len(minima), np.nan)
@@ -27,7 +28,11 @@ def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
 
 
 def _excess(history: History, loading: Branch, unloading: Branch) -> float:
-    """Return the largest excess [Pa] of an unloading over its loading at equal closure."""
+    """Return the largest excess of stress [Pa] of an unloading over its loading at equal closure.
+
+    It is at least 0. At closures below those of the loading, the stress of loading counts as 0 if
+    the loading started from 0, and otherwise as infinite: these closures are left out.
+    """
     closure = history.gross.values
     stress = history.stress
     # keep the last of several steps at one closure
@@ -49,10 +54,10 @@ def _excess(history: History, loading: Branch, unloading: Branch) -> float:
 
 
 def hysteresis(joint: xr.Dataset) -> np.ndarray:
-    """Return the share (cycles,) of the work of loading that unloading does not give back.
+    """Return the share (cycles,) [1] of the work of loading that unloading does not give back.
 
-    Works are those over the gross closure. The share is NaN for a cycle without unloading, or whose
-    loading took no work.
+    Works are over the gross closure. The share is NaN for a cycle without unloading, and for one
+    whose loading took no work.
     """
     history = history_of(joint)
     shares = np.full(joint.max_closure.size, np.nan)
@@ -64,15 +69,16 @@ def hysteresis(joint: xr.Dataset) -> np.ndarray:
 
 
 def _work(history: History, branch: Branch) -> float:
-    """Return the integral [J/m2] of the stress of a branch over the gross closure."""
+    """Return the work per area [J/m2] on a branch: its stress integrated over the gross closure."""
     return np.trapezoid(history.stress[branch.steps], history.gross.values[branch.steps])
 
 
 def largest_jump(joint: xr.Dataset) -> float:
-    """Return the largest jump of a joint: closure at constant stress over that of its loading [1].
+    """Return the largest jump of a joint at constant stress, over the closure of its loading [1].
 
-    A jump is the closure from a peak of the stress to where the loading exceeds this peak. A group
-    of asperities breaks at once in it. The largest jump of all cycles counts.
+    A jump is the gross closure from a peak of the stress to where the loading exceeds this peak. A
+    group of asperities breaks at once in it. A jump that lasts to the end of the loading counts as
+    well. The largest jump of all cycles counts.
     """
     history = history_of(joint)
     shares = []
@@ -94,7 +100,10 @@ def largest_jump(joint: xr.Dataset) -> float:
 
 
 def loop_between(loading: Any, unloading: Any) -> Any:
-    """Return closures of unloading less those of loading at the same stress; 0 within rounding."""
+    """Return closures of unloading less closures of loading at the same stresses.
+
+    Differences within rounding are 0.
+    """
     loop = unloading - loading
     return loop * (abs(loop) > _LOOP_ROUNDING * abs(loading))
 
@@ -103,9 +112,9 @@ def net_responses(joint: xr.Dataset) -> dict[str, np.ndarray]:
     """Return the results of each cycle as laboratories report them: arrays (cycles,) by name.
 
     They are net closures [m], the net stiffness [Pa/m] and the stress [Pa] up to which steps have
-    their full size (`History.landing_stresses`). The stiffness
-    is the chord of a loading from half of its maximum, or from a higher former maximum. Results of
-    a cycle that was not completed are NaN.
+    their full size (`History.landing_stresses`). The stiffness is that of the chord of a loading
+    from half of its maximum, or from a higher former maximum, to its maximum. Results of a cycle
+    that was not completed are NaN.
     """
     history = history_of(joint)
     closures = history.net.cycle_closures()

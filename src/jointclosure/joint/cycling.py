@@ -1,9 +1,10 @@
 """Load cycling of a joint under displacement control, with any solver of the registry.
 
-A loading is stepped up to its maximum stress and lands on it (`_land`), an unloading is stepped
-down to its minimum. With resolved breakage the length of each step comes from a prediction of the
-force after it, before anything breaks (`StepControl.fitting`); then equilibrium and breakage of the
-step are solved (`_Run.settle`).
+A loading takes steps of closure up to its maximum and lands on it (`_land`), an unloading takes
+steps down to its minimum. Maxima and minima are forces [N] on the whole joint. With resolved
+breakage the length of each step comes from a prediction of the force after it, before anything
+breaks (`StepControl.fitting`); then equilibrium and breakage of the step are solved
+(`_Run.settle`).
 """
 
 from collections.abc import Callable, Sequence
@@ -33,16 +34,18 @@ FLAG_OF_OUTCOME = dict(zip(list(Outcome)[1:], _FAILURES, strict=True))
 Observer = Callable[[Joint, "Step"], None]
 """Called with the joint at every step of the history, in order; must not change the joint."""
 StepReport = Callable[[int, str, float], None]
-"""Called at every accepted step with its cycle, branch, and force over the cycle's maximum."""
+"""Called at every accepted step with its cycle, branch, and force over the maximum of its cycle."""
 
-_SMALLEST_STEP = 1e-6  # share of a step, or the closure if less, below which stresses may jump
+_SMALLEST_STEP = 1e-6
+"""Step over the configured one, below which a target counts as jumped over. Of a loading whose
+closure is less than the configured step, it is over this closure."""
 _FEWEST_CONTACTS = 1000
-"""Fewest cells that carry the largest force at a pressure of the strength, from which the
-interaction may be left out while asperities break. With 300 to 600 such cells means of second
+"""Number of cells that carry the largest force at a pressure equal to the compressive strength,
+from which the interaction may be left out at first. With 300 to 600 such cells means of second
 cycles moved by up to 12 %."""
 _MOST_CRUSHED = 0.4
-"""Largest share of the grid that these cells may make up for that: above it breakage takes nearly
-all of the time."""
+"""Largest share of the grid that these cells may make up if the interaction is left out: above it
+breakage takes nearly all of the time."""
 _MOST_SECANTS = 2
 """Trials above the target in a row that are followed by a secant through the last two of them."""
 _MOST_BELOW = 3
@@ -51,9 +54,10 @@ A longer step from an earlier state may have broken other contacts, and left a h
 
 
 class Step(NamedTuple):
-    """One accepted state of the history, with the mean sum of both walls' heights [m].
+    """Accepted state of a joint in its history, with its cycle and branch.
 
-    This mean falls only if material vanishes.
+    ``mean_height`` [m] is the mean of the sum of both walls' heights, which falls only if material
+    vanishes.
     """
 
     cycle: int
@@ -63,11 +67,12 @@ class Step(NamedTuple):
 
 
 class StepRecord(NamedTuple):
-    """All accepted steps in order, status bits (`STATUSES`), and total effort.
+    """History of a joint: all accepted steps in order, status bits (`STATUSES`), and total effort.
 
-    ``replayed`` is the number of cycles that were not simulated but repeated. ``idle_steps`` is the
-    number of accepted steps that were settled without interaction. In none of them would the
-    interaction have displaced a contact by more than ``idle_displacement`` times the closure.
+    ``replayed`` is the number of cycles that were not simulated, but repeat the steps of the cycle
+    before. ``idle_steps`` is the number of accepted steps that were settled without interaction. In
+    none of them would the interaction have displaced a contact by more than ``idle_displacement``
+    times the closure.
     """
 
     steps: list[Step]
@@ -79,7 +84,10 @@ class StepRecord(NamedTuple):
 
 
 class _Run:
-    """Mutable state of `run_cycles`."""
+    """State of `run_cycles` between its steps: the joint, its record so far, and the target.
+
+    Its methods change the joint and this state in place.
+    """
 
     def __init__(self, joint, solver, cycles, seating_force, report, observers):
         self.joint: Joint = joint
@@ -99,7 +107,7 @@ class _Run:
         self.idle_steps = 0
         self.idle_displacement = 0.0
         may_be_idle = joint.interaction_acts and self.numerics.idle_interaction > 0.0
-        # it pays where neither few nor most cells carry the largest force at the strength
+        # leaving it out pays if neither few nor most cells carry the largest force at the strength
         cells = largest / (joint.compressive_strength * joint.law.spacing**2)
         few_enough = _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
         self.leaves_interaction_out = may_be_idle and few_enough
@@ -111,7 +119,11 @@ class _Run:
         return self.status >= FAILURE
 
     def settle(self, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m] and record a failure in the status."""
+        """Bring the joint to rest at a closure [m]; return the state, which is not accepted yet.
+
+        ``breakage_step`` [m] is that of fixed steps. The effort is added up, and a failure is
+        recorded in `status`, also if too many steps were taken in all.
+        """
         settled = self.solver.settle(self.joint, closure, breakage_step)
         self.effort = self.effort.plus(settled.effort)
         if settled.outcome != Outcome.CONVERGED:
@@ -123,25 +135,31 @@ class _Run:
         return settled
 
     def predict(self, step: float, residual: float) -> float:
-        """Predict the force [N] after a step [m] without breakage; see `Solver.predict`."""
+        """Predict the force [N] after a step [m] without breakage, see `Solver.predict`.
+
+        The effort is added up.
+        """
         assert self.solver.predict is not None
         force, effort = self.solver.predict(self.joint, self.closure + step, residual)
         self.effort = self.effort.plus(effort)
         return force
 
     def control(self, step: float, former: float) -> StepControl | None:
-        """Return the `StepControl` of a branch; None with fixed steps.
+        """Return the `StepControl` of a branch, or None with fixed steps of breakage.
 
-        ``step`` [m] is the configured one, ``former`` [N] the largest earlier maximum.
+        ``step`` [m] is the configured one, ``former`` [N] the largest earlier maximum, infinite for
+        an unloading.
         """
         if self.numerics.breakage != "resolved":
             return None
         return StepControl(self.numerics, step, self.target_force, former, self.seating_force)
 
     def displacement_left_out(self, settled: Settled) -> float | None:
-        """Return the largest displacement by the interaction in a state settled without it.
+        """Return by how much the interaction would displace a contact, over the closure.
 
-        It is over the closure; None if the interaction may not be left out of the state.
+        It is the largest such displacement in a state that was settled without interaction. It is
+        None if the interaction may not be left out of this state: if the displacement exceeds
+        `Numerics.idle_interaction`, or the force has reached the target.
         """
         displaced = self.joint.interaction_left_out() / settled.closure
         if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
@@ -151,7 +169,11 @@ class _Run:
     def accept(
         self, cycle: int, branch: str, settled: Settled, left_out: float | None = None
     ) -> None:
-        """Keep a state as a step; ``left_out`` is as from `displacement_left_out`."""
+        """Append a state to the steps, and show it to the observers and to the report.
+
+        The next step starts from its closure and force. ``left_out`` is the value of
+        `displacement_left_out`, None if the interaction was not left out.
+        """
         if left_out is not None:
             self.idle_steps += 1
             self.idle_displacement = max(left_out, self.idle_displacement)
@@ -178,9 +200,11 @@ def run_cycles(
 ) -> StepRecord:
     """Load a joint to the maximum of each cycle and unload it to its minimum, both in N.
 
-    Return the record of the steps. A minimum of 0 is last contact. The joint is left in its last
-    state. Net closures are read at the ``seating_force`` [N]: elastic histories have a state there,
-    and elastic branches of joints whose breakage is resolved have one near it.
+    Return the record of the steps. It ends early if a step fails (`StepRecord.status`). A minimum
+    of 0 is last contact. The joint is changed in place, and is left in its last state. Net closures
+    are read at the ``seating_force`` [N]: elastic histories have a state there, and elastic
+    branches of joints whose breakage is resolved have one near it. ``observers`` and ``report`` are
+    called at every accepted step; ``report`` is not called in elastic histories.
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
         history = _elastic_cycles(joint, solver, cycles, seating_force)
@@ -228,7 +252,11 @@ def run_cycles(
 
 
 def _elastic_cycles(joint, solver, cycles, seating_force) -> StepRecord:
-    """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
+    """Solve the cycles of a joint without breakage: one curve, loaded and unloaded.
+
+    The record ends with the last state that converged. The joint gets the forces of the last step,
+    unless a solution failed.
+    """
     start = _untouched(joint)
     height = _mean_height(joint)
     forces = _elastic_forces(joint.numerics.curve_points, cycles, seating_force)
@@ -253,17 +281,24 @@ def _elastic_cycles(joint, solver, cycles, seating_force) -> StepRecord:
 
 
 def _elastic_forces(count, cycles, seating_force) -> np.ndarray:
-    """Return ``count`` + 1 evenly spaced forces [N] of an elastic curve, with seating and turns."""
+    """Return the total forces [N] at which an elastic curve is solved, ascending from 0.
+
+    They are ``count`` + 1 evenly spaced forces up to the largest maximum, with the seating force
+    and the maxima and minima of the cycles.
+    """
     largest = max(cycle.maximum for cycle in cycles)
     forces = largest * np.arange(count + 1) / count
-    # skip a turn or seating that equals one of them up to rounding: its step would have no length
+    # a turn or seating equal to one of these up to rounding is left out: its step has no length
     turns = {force for cycle in [*cycles, [seating_force]] for force in cycle if force <= largest}
     apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
     return np.union1d(forces, apart) if apart else forces
 
 
 def _show_elastic(joint, solver, history: StepRecord, observers: Sequence[Observer]) -> None:
-    """Show every step of an elastic history to the observers."""
+    """Show every step of an elastic history to the observers, with the forces of that step.
+
+    The joint has its last forces again afterwards.
+    """
     ended = joint.force.copy()
     forces = {0.0: np.zeros(joint.force.shape)}
     for step in history.steps if observers else ():
@@ -280,9 +315,10 @@ def _show_elastic(joint, solver, history: StepRecord, observers: Sequence[Observ
 def _load(
     run: _Run, cycle: int, former: float, displacement_step: float, breakage_step: float
 ) -> None:
-    """Load by steps [m] until the force passes the target, then land on it.
+    """Load the joint by steps [m] until the force passes the target, then land on it.
 
-    ``former`` is the largest earlier maximum [N].
+    ``former`` is the largest earlier maximum [N]. A failure is recorded in `status`, also if the
+    target is not reached at the limit of closure.
     """
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
@@ -329,15 +365,17 @@ def _load(
 
 
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
-    """Repeat the step that passed the target with smaller steps until the force is in tolerance.
+    """Repeat the step that passed the target with smaller steps, until the force is in tolerance.
 
-    Trials below the target are kept, and may break contacts. From the last of them the force may no
-    longer reach the target where it was passed before; then loading has to go on, and False is
-    returned.
+    ``before`` is the snapshot before that step, ``passed`` the state after it. Trials below the
+    target are accepted, and may break contacts. From the last of them the force may no longer reach
+    the target where it was passed before. Loading then has to go on, and False is returned;
+    otherwise True, also if a step fails. If the force jumps over the target, the last state below
+    it is the maximum, and this is recorded in `status`.
     """
     near = run.numerics.stress_tolerance * run.target_force
     above = passed  # the last state above the target
-    further = passed  # the one above the target before it
+    further = passed  # the state above the target before that one
     passed_again = 0  # trials above the target in a row
     below_again = 0  # trials below the target in a row
     by_fixed_steps = run.numerics.breakage == "fixed_step"
@@ -379,7 +417,10 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
 
 
 def _is_exhausted(run: _Run, closure_above: float, displacement_step: float) -> bool:
-    """Return whether a closure [m] above the target is too near the present one for a trial."""
+    """Return whether a closure [m] above the target is too near the present one for a trial.
+
+    That is so if the difference is too small a share of the step, or below the rounding of heights.
+    """
     room = closure_above - run.closure
     reached = closure_above - run.cycle_start
     resolved = float(np.spacing(abs(run.joint.first_touch) + closure_above))
@@ -387,10 +428,12 @@ def _is_exhausted(run: _Run, closure_above: float, displacement_step: float) -> 
 
 
 def _part_to_target(run: _Run, above, further, passed_again, below_again) -> float:
-    """Return the share of the step from the last state below the target to the last above.
+    """Return the share of the way to try between the states below and above the target.
 
-    After the first trials above the target it is that of a secant through the last two of them,
-    otherwise that of false position, with forces halved as in the Illinois method.
+    The way is that of the closure, from the last state below the target to the last one ``above``
+    it; ``further`` is the state above the target before. After the first trials in a row above the
+    target the share is that of a secant through the last two of them, otherwise that of false
+    position, with forces halved as in the Illinois method.
     """
     missing = run.target_force - run.total_force
     beyond = above.total_force - run.target_force
@@ -406,10 +449,14 @@ def _part_to_target(run: _Run, above, further, passed_again, below_again) -> flo
 
 
 def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: Settled) -> None:
-    """Interpolate walls, closure and forces between the last two states, as in the paper."""
+    """Accept a state at a force [N], linear between the last two states, as in the paper.
+
+    ``before`` is the snapshot of the last accepted state, ``passed`` the state that passed the
+    force. Walls, forces, interaction and closure of the joint are changed to the interpolated ones.
+    """
     part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, _, *carried = before  # the peaks stay those of the state that passed
+    upper, lower, _, *carried = before  # the states of the pairs are those of ``passed``
     fields = joint.upper, joint.lower, joint.force, joint.interaction
     for field, earlier in zip(fields, (upper, lower, *carried[:2]), strict=True):
         field[:] = earlier + part * (field - earlier)
@@ -423,7 +470,11 @@ def _interpolate(run: _Run, cycle, branch, force: float, before: tuple, passed: 
 
 
 def _unload(run: _Run, cycle: int, minimum: float) -> None:
-    """Unload by steps; shorten the last one to end at the minimum force [N] or at last contact."""
+    """Unload the joint by steps, and end at the minimum force [N], or at last contact if it is 0.
+
+    The step that would fall below the minimum is shortened or interpolated. A failure is recorded
+    in `status`.
+    """
     step = run.numerics.later_displacement_step
     control = run.control(step, np.inf)
     while True:
@@ -454,7 +505,12 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
 
 
 def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Settled) -> None:
-    """Repeat the step that fell below the minimum with shorter steps until it is in tolerance."""
+    """Repeat the step that fell below the minimum with shorter steps, until it is in tolerance.
+
+    ``before`` is the snapshot before that step, ``passed`` the state after it. Only the last state
+    is accepted. If the force jumps over the minimum, it is the state below, and this is recorded in
+    `status`.
+    """
     near = run.numerics.stress_tolerance * minimum
     high = run.closure
     high_force = run.total_force
@@ -481,7 +537,11 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
 
 
 def _repeat_elastic(run: _Run, cycle: int) -> None:
-    """Append a cycle equal to the one before, whose unloading broke nothing."""
+    """Append a cycle equal to the one before, whose unloading broke nothing, without solving it.
+
+    Its loading has the steps of that unloading in reverse, its unloading the same steps. Observers
+    see the forces of each step.
+    """
     opened = sum(step[:2] == (cycle - 1, UNLOADING) for step in run.steps)
     loop = [step.settled._replace(effort=Effort()) for step in run.steps[-opened - 1 :]]
     forces = tuple(run.forces)
@@ -504,8 +564,9 @@ def _mean_height(joint: Joint) -> float:
 def closure_limit(joint: Joint, target_force: float) -> float:
     """Return an upper bound of the closure [m] at which the joint carries a target force [N].
 
-    It is a formula, twice the sum of the range of heights and of the displacements by the force if
-    all cells carried it evenly. A joint that carries less there never carries the force.
+    It is by a formula: twice the sum of the range of the summed heights and of the displacements by
+    the force, if all cells carried it evenly. A joint that carries less at this closure never
+    carries the force.
     """
     summed = joint.upper + joint.lower
     per_cell = target_force / summed.size

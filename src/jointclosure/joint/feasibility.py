@@ -14,18 +14,20 @@ from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CRUSHED, Joint
 
 _CRUSHING = 3e6
-"""Breakage steps over the number of cells needed to crush a rock to powder with resolved breakage.
+"""Breakage steps per cell that crush a rock to powder with resolved breakage, at most.
 Measured: 1.3e9 steps on 20 x 20 cells of dolerite at 3 MPa with a largest radius of 1 mm, in 93 s;
 6e3 steps with 1.5 mm."""
 _ELASTIC_STEPS = 10.0
-"""Steps of an elastic history over `Numerics.most_steps`: they are cheap."""
+"""Largest number of steps of an elastic history over `Numerics.most_steps`: they are cheap."""
 
 
 class Strength(NamedTuple):
-    """Largest loads that an intact joint carries if no cell is locked; infinite if unbounded.
+    """Largest loads that an intact joint carries; infinite where nothing bounds them.
 
-    ``of_cell`` is the largest force [N] of a cell, ``of_joint`` the stress [Pa] that all cells
-    carry together, which is a bound only if rock breaks with gouge.
+    ``of_cell`` is the largest force [N] of a cell. ``of_joint`` is the stress [Pa] that all cells
+    carry together, which is a bound only if rock breaks with gouge. Both hold if no cell is locked:
+    a locked cell is beyond its strength, but cannot break, because it has no lower neighbour on
+    either wall that could receive its gouge.
     """
 
     of_cell: float = math.inf
@@ -33,7 +35,10 @@ class Strength(NamedTuple):
 
 
 def joint_strength(joint: Joint) -> Strength:
-    """Compute the strength of all cells of an intact joint."""
+    """Compute the strength of all cells of an intact joint.
+
+    It is infinite without breakage, or if the strength of any cell is not bounded.
+    """
     if not joint.effects.breakage:
         return Strength()
     forces = _cell_strengths(joint.law, joint.numerics.tolerance)[joint.peaks]
@@ -44,9 +49,11 @@ def joint_strength(joint: Joint) -> Strength:
 
 
 def _cell_strengths(law: ContactLaw, tolerance: float) -> np.ndarray:
-    """Return the largest force (8,) [N] of a cell by the state of the pair; infinite if unbounded.
+    """Return the largest force (8,) [N] of a cell by the state of the pair (`ContactLaw`).
 
-    A pair may exceed its strength by half the band, its force by as much to the power of 3/2.
+    It is infinite where neither a largest radius nor the base bounds the strength. At rest a pair
+    may exceed its strength: its overlap ratio by half of the band, and its force by the factor of
+    the overlap to the power of 3/2.
     """
     flattest = np.maximum(2.0 * law.least_curvature, law.filling)
     beyond = (1.0 + 0.5 * BAND * tolerance) ** 1.5
@@ -62,7 +69,10 @@ def check_strength(
     numerics: Numerics,
     spacing: float | None = None,
 ) -> None:
-    """Raise `InputError` for a stress [Pa] above the `largest_stress` of the rocks."""
+    """Raise `InputError` if a stress [Pa] exceeds the `largest_stress` of two rocks (upper, lower).
+
+    ``spacing`` [m] is that of the grid, or None if it is not known.
+    """
     together = largest_stress(rock, effects, choices, numerics, spacing)
     _check_not_crushed(together, max_normal_stress, choices, numerics)
 
@@ -76,9 +86,10 @@ def largest_stress(
 ) -> float:
     """Return the stress [Pa] above which simulations of all walls of two rocks are refused.
 
-    It is infinite if there is none. All cells count as the strongest kind, which with the largest
-    radius alone are soft peaks: `check_feasible` knows the cells, and also refuses smaller
-    stresses. Without a spacing [m] that radius is not a bound.
+    It is infinite if there is no such stress. It is what all cells carry together if each of them
+    is as strong as the strongest pair of cells can be; with a largest radius alone this is a pair
+    of soft peaks. `check_feasible`, which knows the cells, therefore refuses smaller stresses too.
+    If the ``spacing`` [m] is None, a largest radius is not used as a bound.
     """
     if not (effects.breakage and effects.gouge and _needs_strength(numerics)):
         return math.inf
@@ -91,16 +102,19 @@ def largest_stress(
 
 
 def _needs_strength(numerics: Numerics) -> bool:
-    """Return whether a simulation does not end where all cells together carry too little."""
+    """Return whether a simulation does not end if all cells together cannot carry the stress.
+
+    That is so with resolved breakage, unless many breakage steps are allowed (`_CRUSHING`).
+    """
     return numerics.breakage == "resolved" and numerics.most_breakage_steps < _CRUSHING
 
 
 def check_feasible(joint: Joint, strength: Strength, max_normal_stress: float, cycles: int) -> None:
-    """Raise `InputError` for a simulation that would take too many steps.
+    """Raise `InputError` for a simulation of load ``cycles`` that would take too many steps.
 
-    It needs more displacement steps than `Numerics` allows, or a stress [Pa] above the strength of
-    all cells together with resolved breakage, which does not end beyond it. Fixed steps of breakage
-    end by their number.
+    It would if it needs more displacement steps than `Numerics.most_steps`. With resolved breakage
+    it would also if the maximum stress [Pa] is above the stress that all cells carry together
+    (``strength``), because breakage then does not end. Fixed steps of breakage end by their number.
     """
     numerics = joint.numerics
     steps, closure = displacement_steps(joint, strength, max_normal_stress, cycles)
@@ -119,7 +133,10 @@ def check_feasible(joint: Joint, strength: Strength, max_normal_stress: float, c
 def _check_not_crushed(
     together: float, max_normal_stress: float, choices: Choices, numerics: Numerics
 ) -> None:
-    """Raise `InputError` if all cells ``together`` carry less than the stress, both [Pa]."""
+    """Raise `InputError` if all cells carry ``together`` less than the maximum stress, both in Pa.
+
+    It is raised only where the simulation would then not end (`_needs_strength`).
+    """
     radius = choices.largest_radius
     crushed = together < max_normal_stress and _needs_strength(numerics)
     if crushed and choices.strength_bound == "base":
@@ -140,7 +157,7 @@ def _check_not_crushed(
 
 
 def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
-    """Raise `InputError` if an elastic history of some ``cycles`` has too many steps.
+    """Raise `InputError` if an elastic history of this number of cycles has too many steps.
 
     At most `_ELASTIC_STEPS` times `Numerics.most_steps` are allowed.
     """
@@ -156,10 +173,11 @@ def check_elastic_steps(numerics: Numerics, cycles: int) -> None:
 def displacement_steps(
     joint: Joint, strength: Strength, max_normal_stress: float, cycles: int
 ) -> tuple[float, float]:
-    """Estimate the displacement steps of a history and the closure of its first loading [m].
+    """Estimate the displacement steps of a history, and the closure of its first loading [m].
 
-    The closure is the elastic one, or `crushed_closure` if that is larger. Later branches count as
-    elastic.
+    The closure is the elastic one under the maximum stress [Pa], without interaction, or
+    `crushed_closure` if that is larger. Later branches count as elastic. With resolved breakage the
+    steps of the first loading count as the largest ones that are allowed.
     """
     reach = float(np.ptp(joint.upper + joint.lower))
     cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
@@ -176,11 +194,11 @@ def displacement_steps(
 
 
 def crushed_closure(joint: Joint, strongest: float, target: float) -> float:
-    """Return a closure [m] below which too few cells touch to carry the force ``target`` [N].
+    """Return a closure [m] below which too few cells touch to carry a force ``target`` [N].
 
     At least n = target / strongest cells are needed, where ``strongest`` is the force [N] of the
-    strongest cell. Heights are sums of both walls: gouge cannot raise n cells above the mean of the
-    n highest. The closure is 0 if the strength of a cell is not bounded.
+    strongest cell. Gouge cannot raise n cells above the mean of the n highest, where the height of
+    a cell is the sum of both walls. The closure is 0 if the strength of a cell is not bounded.
     """
     if not math.isfinite(strongest):
         return 0.0

@@ -18,32 +18,35 @@ from jointclosure.solvers.joint import Joint
 
 DIRECTIONS = ("x", "y")
 SIDES = ("closed", "periodic")
-"""Sides along the flow: nothing passes, or what leaves at one enters at the other."""
+"""Conditions at the two sides along the flow: nothing passes them ("closed"), or what leaves at one
+side enters at the other ("periodic")."""
 FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
 STATUSES = ("flows", "blocked", "not_solved", "at_least")
-"""Solved; inlet and outlet are not connected; not solved; closed faces (`CLOSED`) may pass more."""
+"""Statuses of a flow: it is solved; inlet and outlet are not connected; it could not be solved; or
+faces that count as closed (`CLOSED`) may pass more than was computed."""
 
 CLOSED = 1e-14
-"""Conductance of a face over the sum of those of its cell, up to which the face is closed, because
-balances would be lost in rounding. Its aperture is about 2e-5 of its neighbours'. If closed faces
-may matter, the status is `AT_LEAST`."""
+"""Conductance of a face over the sum of its cell's conductances, up to which it counts as closed,
+because the mass balance of the cell would be lost in rounding. The aperture at such a face is about
+2e-5 of the apertures beside it. If closed faces may matter, the status is `AT_LEAST`."""
 LARGEST_IMBALANCE = 1e-6
 """Largest sum of the cells' mass balances over the inflow for which a flow counts as solved."""
 
 
 class Flow(NamedTuple):
-    """Flow along one direction."""
+    """Flow through a joint along one direction, for a pressure difference of 1."""
 
-    hydraulic_aperture: float  # of plates [unit of the apertures]: 0 blocked, NaN not solved
+    hydraulic_aperture: float  # in the unit of the apertures: 0 if blocked, NaN if not solved
     status: int  # index of `STATUSES`; for `AT_LEAST` the aperture is a lower bound
     imbalance: float  # sum of the cells' mass balances over the inflow
-    pressure: np.ndarray  # (y, x): 1 at the inlet, 0 at the outlet, or NaN
+    pressure: np.ndarray  # (y, x): 1 at the inlet, 0 at the outlet; NaN where not connected
 
 
 class _Network(NamedTuple):
-    """Conductances (faces,) of the faces between pairs of nodes ``first`` and ``second`` (faces,).
+    """Network of the flow: conductances (faces,) of faces between nodes ``first`` and ``second``.
 
-    Nodes (n,) are the cells of ``shape`` (rows, columns) in C order, inlet and outlet.
+    The nodes (n,) are the cells of a grid of ``shape`` (rows, columns) in C order, then the inlet
+    and the outlet. ``first`` and ``second`` (faces,) are the two nodes that each face connects.
     """
 
     first: np.ndarray
@@ -56,23 +59,23 @@ class _Network(NamedTuple):
         return self.shape[0] * self.shape[1] + 2
 
     def part(self, faces: np.ndarray) -> "_Network":
-        """Return the network of some of the faces."""
-        ends = self.first[faces], self.second[faces]
-        return _Network(*ends, self.conductance[faces], self.shape)
+        """Return the network with the faces of a mask (faces,) only, and with all nodes."""
+        nodes = self.first[faces], self.second[faces]
+        return _Network(*nodes, self.conductance[faces], self.shape)
 
     def matrix(self) -> scipy.sparse.csr_array:
-        """Return the conductances (n, n) between nodes."""
+        """Return the symmetric sparse matrix (n, n) of the conductances between nodes."""
         one = [self.first, self.second]
         other = [self.second, self.first]
         at = np.concatenate(one), np.concatenate(other)
         return scipy.sparse.csr_array((np.tile(self.conductance, 2), at), (self.nodes,) * 2)
 
     def groups(self) -> np.ndarray:
-        """Return the number (n,) of the connected group of each node."""
+        """Return for each node (n,) of the network the number of its group of connected nodes."""
         return scipy.sparse.csgraph.connected_components(self.matrix(), directed=False)[1]
 
     def sums(self) -> np.ndarray:
-        """Return the sum (n,) of the conductances of each node."""
+        """Return for each node (n,) of the network the sum of the conductances of its faces."""
         one, other = (
             np.bincount(ends, self.conductance, self.nodes) for ends in (self.first, self.second)
         )
@@ -82,10 +85,11 @@ class _Network(NamedTuple):
 def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
     """Compute the flow from one side of a joint to the opposite one by finite volumes.
 
-    ``aperture`` (y, x) is h, in any unit. Inner faces have the harmonic mean of their cells' h^3,
-    outer ones the resistance of half a cell, which is exact if apertures vary only along the flow,
-    or only across it. Raise `InputError` unless the ``direction`` is in `DIRECTIONS` and the
-    ``sides`` are in `SIDES`.
+    ``aperture`` (y, x) is h, in any unit, at least 0. ``direction`` is that of the flow, and
+    ``sides`` the condition at the sides along it. Faces between cells have the harmonic mean of
+    their cells' h^3, faces at inlet and outlet the resistance of half a cell. This is exact if
+    apertures vary only along the flow, or only across it. Raise `InputError` unless the
+    ``direction`` is in `DIRECTIONS` and the ``sides`` are in `SIDES`.
     """
     for name, value, allowed in (("direction", direction, DIRECTIONS), ("sides", sides, SIDES)):
         if value not in allowed:
@@ -117,13 +121,21 @@ def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> F
 
 
 def largest_hydraulic(aperture: np.ndarray, direction: str) -> float:
-    """Return an upper bound of the hydraulic aperture: lines across the flow have one pressure."""
+    """Return an upper bound of the hydraulic aperture of apertures (y, x), in their unit.
+
+    It is the hydraulic aperture that the joint would have if the pressure were equal along every
+    line of cells across the flow. It is 0 if such a line is closed.
+    """
     across = np.mean(aperture**3, axis=0 if direction == "x" else 1)
     return float(np.cbrt(1.0 / np.mean(1.0 / across))) if across.all() else 0.0
 
 
 def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarray]:
-    """Return the network of all faces that conduct, and which of them are open (see `CLOSED`)."""
+    """Return the network of all faces that conduct, and a mask of those that are open (`CLOSED`).
+
+    ``transmissivity`` (rows, columns) is h^3 over its largest value. The flow is from the first
+    column to the last one.
+    """
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
     inlet = cells.size
@@ -149,13 +161,17 @@ def _network(transmissivity: np.ndarray, sides: str) -> tuple[_Network, np.ndarr
 
 
 def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> float:
-    """Return an upper bound of the flow through closed faces, for a pressure difference of 1."""
+    """Return an upper bound of the flow through closed faces, for a pressure difference of 1.
+
+    ``network`` has the open faces, ``left_out`` the closed ones. ``joined`` (n,) is a mask of the
+    nodes that open faces connect to inlet and outlet, with the pressures ``pressure`` (n,).
+    """
     first, second, conductance, _ = left_out
     nodes = left_out.nodes
     if not first.size:
         return 0.0
     group = network.groups()
-    # each such group has the mean of the pressures next to it, so that a dead end adds nothing
+    # a group that is not joined has the mean of the pressures beside it: a dead end adds nothing
     weight = np.zeros(nodes)
     total = np.zeros(nodes)
     for inside, outside in ((first, second), (second, first)):
@@ -170,13 +186,20 @@ def _left_out_flow(network: _Network, left_out: _Network, joined, pressure) -> f
 
 
 def _joined(network: _Network) -> np.ndarray | None:
-    """Return the nodes (n,) connected to inlet and outlet; None if these are not connected."""
+    """Return a mask (n,) of the nodes connected to inlet and outlet; None if there are none.
+
+    Inlet and outlet are then not connected to each other.
+    """
     label = network.groups()
     return label == label[-1] if label[-1] == label[-2] else None
 
 
 def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
-    """Return pressures of all nodes (2, n): 1 at the inlet to 0 at the outlet, and reversed."""
+    """Return the pressures of all nodes (2, n), by elimination of every second cell.
+
+    The first row is from 1 at the inlet to 0 at the outlet, the second row from 0 to 1. Nodes that
+    are not ``joined`` have 0. Raise `RuntimeError` if rounding leaves no solution.
+    """
     black = _black(network, joined)
     white = joined & ~black
     white[-2:] = False
@@ -199,7 +222,11 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
 
 
 def _black(network: _Network, joined: np.ndarray) -> np.ndarray:
-    """Return the connected black cells (n,) of a chessboard: no two of them have a common face."""
+    """Return a mask (n,) of the joined cells of one colour of a chessboard.
+
+    No two of them have a common face. If the number of rows is odd, the last row has none, because
+    with periodic sides it would have a common face with the first row.
+    """
     rows, columns = network.shape
     odd = (np.add.outer(np.arange(rows), np.arange(columns)) % 2).astype(bool)
     odd ^= odd.flat[np.argmax(joined[:-2])]
@@ -208,7 +235,12 @@ def _black(network: _Network, joined: np.ndarray) -> np.ndarray:
 
 
 def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:
-    """Return the outflow, and the sum of all cells' imbalances over it, computed from faces."""
+    """Return the outflow, and the sum of all mass imbalances over the outflow.
+
+    The imbalances are those of all cells, and the difference of inflow and outflow. ``pressures``
+    (2, n) are those of `_pressures`. The flow through a face is computed from the row of pressures
+    that is smaller there, whose rounding is less. The second value is infinite without outflow.
+    """
     first, second, conductance, _ = network
     nodes = network.nodes
     fall, rise = pressures[:, second] - pressures[:, first]
@@ -232,7 +264,10 @@ COORDINATE = {"direction": ("direction", np.array(DIRECTIONS, dtype=object), _AB
 
 
 class FlowAlongHistory:
-    """`Observer` that computes the flow along x and along y at every step."""
+    """`Observer` of a history that computes the flow along x and along y at every step.
+
+    Steps at one closure of unchanged walls have one flow, which is computed once.
+    """
 
     def __init__(self) -> None:
         self._flows: list[dict[str, list[float]]] = []
@@ -240,7 +275,7 @@ class FlowAlongHistory:
         self._of_walls: dict[float, dict[str, list[float]]] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
-        """Compute the flow at a step."""
+        """Compute and keep the flow at a step, from the apertures of the joint in that state."""
         walls = joint.upper, joint.lower
         if not (self._walls and all(map(np.array_equal, walls, self._walls))):
             self._walls = joint.upper.copy(), joint.lower.copy()
@@ -262,7 +297,10 @@ class FlowAlongHistory:
 
 
 def _variables_of(aperture: np.ndarray) -> dict[str, list[float]]:
-    """Return the variables of a history (directions,) at apertures (y, x) [m]."""
+    """Return the variables of the flow through apertures (y, x) [m], by name (directions,).
+
+    The hydraulic aperture is NaN unless the flow is solved or blocked.
+    """
     flows = [flow_along(aperture, direction) for direction in DIRECTIONS]
     apertures = [flow.hydraulic_aperture for flow in flows]
     solved = [flow.status in (FLOWS, BLOCKED) for flow in flows]

@@ -19,10 +19,10 @@ from jointclosure.joint.interpolation import crossing, cubic_over, rising_slopes
 from jointclosure.joint.status import FLOW_STATUSES, LOADING, UNLOADING
 
 NET = "closure_net"
-"""Net closure, as laboratories report it: without the displacement of the half-spaces under the
-loaded patch as a whole (docs/model.md, "Interaction")."""
+"""Variable of net closure, as laboratories report it: without the displacement of the half-spaces
+under the loaded patch as a whole (docs/model.md, "Interaction")."""
 GROSS = "closure"
-"""Gross closure, with that displacement."""
+"""Variable of gross closure, with that displacement."""
 KINDS = {"net": NET, "gross": GROSS}
 """Variables of closures, by the words for them in names of columns."""
 _ACCESSOR = "load_history"  # name of the accessor of xarray by which a history is cached
@@ -34,17 +34,21 @@ to within one tolerance, and one is added for rounding."""
 LEVELS = 20
 """Largest number of stress intervals in a table, from seating to the maximum."""
 _ROUND_DIGITS = 1.0, 2.0, 2.5, 5.0, 10.0  # first digits of a round interval of stress
-_APART = 0.25  # least distance of a round stress from the ends of a table, over the interval
+_APART = 0.25  # least distance of a round stress from the two ends of a table, over the interval
 POINTS = 60
 """Intervals of stress by which the slope of a curve is computed."""
 _NEARLY = 1.01
-"""A stress counts as reached by a branch up to this times the branch's largest stress, which is
-within the tolerance of a stated maximum."""
+"""A branch counts as reaching stresses up to this times its largest stress, because that may be
+below the stated maximum by its tolerance."""
 
 
 @dataclass(frozen=True)
 class Branch:
-    """Loading or unloading of one cycle: indices (n,) of its steps, its start included."""
+    """Loading or unloading of one cycle, with the indices (n,) of its steps in the history.
+
+    The first of them is the step from which the branch starts, the last of the branch before it.
+    They are empty if the branch was not begun.
+    """
 
     cycle: int
     name: str
@@ -52,13 +56,13 @@ class Branch:
 
     @property
     def has_steps(self) -> bool:
-        """Whether the branch has a step besides its start."""
+        """Whether the branch has a step besides the one from which it starts."""
         return self.steps.size > 1
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """One load cycle that was begun."""
+    """One load cycle of a joint that was begun, with its loading and unloading."""
 
     number: int
     loading: Branch
@@ -66,43 +70,49 @@ class Cycle:
 
     @property
     def branches(self) -> tuple[Branch, Branch]:
-        """Loading and unloading."""
+        """Loading and unloading of the cycle, in this order."""
         return self.loading, self.unloading
 
     def branch(self, name: str) -> Branch:
-        """Return loading or unloading by its name."""
+        """Return the branch of the cycle with a name, "loading" or "unloading"."""
         return self.loading if name == LOADING else self.unloading
 
 
 @xr.register_dataset_accessor(_ACCESSOR)  # type: ignore[no-untyped-call]
 class History:
-    """Cycles, branches and closures of a simulated joint, from its Dataset."""
+    """Load history of a simulated joint, from its Dataset: cycles, branches and closures.
+
+    Arrays (steps,) have a value for each step of the simulation.
+    """
 
     def __init__(self, joint: xr.Dataset) -> None:
         self.joint = joint
 
     @cached_property
     def stress(self) -> np.ndarray:
-        """Nominal normal stress (steps,) [Pa]."""
+        """Nominal normal stress of each step (steps,) [Pa]."""
         return self.joint.normal_stress.values
 
     @cached_property
     def gross(self) -> "Curve":
-        """Gross closure from first touch [m]."""
+        """Curve of the gross closure from first touch [m]."""
         return Curve(self, self.joint.closure.values)
 
     @cached_property
     def net(self) -> "Curve":
-        """Net closure from first touch [m]."""
+        """Curve of the net closure from first touch [m]."""
         return Curve(self, self.joint.closure.values - self.joint.bulk_indentation.values)
 
     @property
     def closures(self) -> dict[str, "Curve"]:
-        """Net and gross closure, by the words for them in names of columns."""
+        """Curves of the net and the gross closure, by the keys of `KINDS`, "net" and "gross"."""
         return {kind: self.curve(of) for kind, of in KINDS.items()}
 
     def curve(self, of: str | np.ndarray) -> "Curve":
-        """Return the curve of a variable of steps by its name, or of values (steps,)."""
+        """Return the curve of a variable by its name, or of values (steps,).
+
+        The name is that of a variable of the Dataset along ``step``, or `NET`.
+        """
         if isinstance(of, np.ndarray):
             return Curve(self, of)
         if of == NET:
@@ -116,17 +126,17 @@ class History:
 
     @cached_property
     def seating_stress(self) -> float:
-        """Seating stress [Pa]."""
+        """Stress [Pa] from which closures since seating count."""
         return float(self.joint.attrs["seating_stress_Pa"])
 
     @cached_property
     def begun(self) -> int:
-        """Number of cycles that were begun."""
+        """Number of load cycles that were begun."""
         return int(self.load_cycle.max())
 
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
-        """The cycles that were begun."""
+        """Load cycles that were begun, in order."""
         loading = self.joint.branch.values == LOADING
         unloading = self.joint.branch.values == UNLOADING
         cycles = []
@@ -140,16 +150,16 @@ class History:
     @cached_property
     def maxima(self) -> np.ndarray:
         """Stated maximum stress (cycles,) [Pa] of each cycle that was begun."""
-        # the turning points of all cycles, or one maximum of all
+        # the attribute has the turning points of all cycles, or one maximum for all cycles
         stated = np.atleast_1d(self.joint.attrs["max_normal_stress_Pa"])[::2]
         return stated[: self.begun] if stated.size > 1 else np.broadcast_to(stated, self.begun)
 
     @cached_property
     def former_maxima(self) -> np.ndarray:
-        """Largest stated maximum (cycles,) [Pa] of the cycles before each one.
+        """Largest stated maximum (cycles,) [Pa] of the cycles before each cycle that exceeds it.
 
-        Beyond it the loading of the cycle crushes asperities again. It is 0 if the cycle does not
-        exceed it.
+        Beyond it the loading of the cycle crushes asperities again. It is 0 for a cycle that does
+        not exceed all maxima before it, and for the first cycle.
         """
         before = np.maximum.accumulate(np.append(0.0, self.maxima[:-1]))
         return np.where(self.maxima > before, before, 0.0)
@@ -166,36 +176,37 @@ class History:
 
     @property
     def by_fixed_steps(self) -> bool:
-        """Whether the joint was simulated by the paper's fixed steps."""
+        """Whether the rock of the joint was broken in the paper's fixed steps."""
         return self.numerics.get("breakage") == "fixed_step"
 
     @property
     def has_flow(self) -> bool:
-        """Whether the joint has hydraulic apertures."""
+        """Whether the joint was simulated with flow, and has hydraulic apertures."""
         return "hydraulic_aperture" in self.joint
 
     @cached_property
     def spacing(self) -> float:
-        """Spacing of the cells [m]."""
+        """Spacing of the cells of the joint [m]."""
         axes = (self.joint[name].values for name in ("y", "x"))
         return next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
 
     @cached_property
     def area(self) -> float:
-        """Nominal area [m2]."""
+        """Nominal area of the joint [m2]."""
         return self.spacing**2 * self.joint.sizes["y"] * self.joint.sizes["x"]
 
     @cached_property
     def flow_statuses(self) -> np.ndarray:
-        """Status of the flow in words (steps, directions), for a joint that `has_flow`."""
+        """Status of the flow in words (steps, directions); only for a joint that `has_flow`."""
         words = np.array(self.joint.flow_status.attrs["flag_meanings"].split(), dtype=object)
         return words[self.joint.flow_status.values.astype(int)]
 
     def flow_status_at(self, levels: np.ndarray) -> np.ndarray:
         """Return the status of the flow in words (cycles, branches, levels) at stresses [Pa].
 
-        Of the statuses along x and along y, at the steps on both sides of the stress, it is the one
-        farthest back in `FLOW_STATUSES`; "" where the branch does not reach the stress.
+        ``levels`` (levels,) are the stresses. Of the statuses along x and along y, at the steps on
+        both sides of a stress, it is the worst, the one farthest back in `FLOW_STATUSES`. It is ""
+        where the branch does not reach the stress.
         """
         rank = np.vectorize(FLOW_STATUSES.index)(self.flow_statuses).max(axis=1)
         ranks = np.zeros((self.begun, 2, levels.size), dtype=int)
@@ -205,13 +216,19 @@ class History:
         return np.where(reached, np.array(FLOW_STATUSES, dtype=object)[ranks], "")
 
     def branch(self, cycle: int, name: str) -> Branch:
-        """Return a branch of a cycle by its number and name; without steps if it was not begun."""
+        """Return a branch of a cycle by the cycle's number and the branch's name.
+
+        It has no steps if the cycle was not begun.
+        """
         if cycle > self.begun:
             return Branch(cycle, name, np.empty(0, dtype=np.intp))
         return self.cycles[cycle - 1].branch(name)
 
     def existing_branches(self) -> Iterator[tuple[tuple[int, int], Branch]]:
-        """Generate the branches that have steps, with their place (cycle, branch) in arrays."""
+        """Generate the branches that have steps, each with its place (cycle, branch) in arrays.
+
+        The place is of indices from 0, and 0 for loading or 1 for unloading.
+        """
         for index, cycle in enumerate(self.cycles):
             for side, branch in enumerate(cycle.branches):
                 if branch.has_steps:
@@ -220,7 +237,8 @@ class History:
     def unloaded_cycles(self, minima: np.ndarray) -> Iterator[tuple[int, Cycle]]:
         """Generate index and cycle of the cycles that were unloaded to their minimum.
 
-        ``minima`` (cycles,) [Pa] are these stresses.
+        ``minima`` (cycles,) [Pa] are the stresses that must be reached, at most, at the end of
+        unloading.
         """
         for index, (cycle, minimum) in enumerate(zip(self.cycles, minima, strict=False)):
             whole = cycle.loading.has_steps and cycle.unloading.has_steps
@@ -231,10 +249,11 @@ class History:
     def landing_stresses(self) -> np.ndarray:
         """Stress (cycles,) [Pa] at the end of the last step of full size of each loading.
 
-        The paper's steps pass the maximum, and are then repeated in smaller steps that land on it.
-        Closures at higher stresses come from these smaller steps. The stress is infinite where no
-        smaller steps are taken: in elastic loadings, with resolved breakage or interpolation to the
-        maximum, and where an earlier maximum is not exceeded.
+        The paper's steps of full size pass the maximum, and the last one is then repeated in
+        smaller steps that land on the maximum. Closures above this stress come from the smaller
+        steps. The stress is infinite where no smaller steps are taken: in elastic loadings, with
+        resolved breakage or with interpolation to the maximum, and where an earlier maximum is not
+        exceeded.
         """
         return np.array([self._landing_stress(cycle) for cycle in self.cycles])
 
@@ -257,7 +276,7 @@ class History:
         """Return ``count`` evenly spaced stresses [Pa] from the seating to the largest stress.
 
         The largest stress is that of the joint, or that of a ``cycle`` if this is clearly smaller.
-        A seating stress of 0 is left out.
+        A seating stress of 0 is not among them: the first of them is then one interval above 0.
         """
         seating = self.seating_stress
         largest = float(self.stress.max())
@@ -269,11 +288,11 @@ class History:
         return np.linspace(seating, largest, count)
 
     def table_levels(self, at: Sequence[float] = ()) -> np.ndarray:
-        """Return the stresses (levels,) [Pa] of `stress_table`.
+        """Return the stresses (levels,) [Pa] of `stress_table`, ascending.
 
         They are round stresses from the seating stress to the stated maximum, the maximum of every
-        cycle, and the stresses ``at``. If the joint did not reach the stated maximum, its largest
-        stress stands in place of it.
+        cycle, and the stresses ``at`` [Pa]. If the joint did not reach the stated maximum, its
+        largest stress stands in place of it.
         """
         reached = float(self.stress.max())
         stated = float(self.maxima.max())
@@ -287,18 +306,19 @@ class History:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A variable of steps, such as a closure [m], over the stress of the branches of a history.
+    """Variable of a history over stress, such as a closure [m], for each of its branches.
 
-    ``values`` are (steps,).
+    ``values`` (steps,) are those at the steps of the history.
     """
 
     history: History
     values: np.ndarray
 
     def read(self, branch: Branch, levels: np.ndarray) -> np.ndarray:
-        """Read the values where the stress of a branch first reaches levels (n,) [Pa], or NaN.
+        """Read the values (n,) where the stress of a branch first reaches levels (n,) [Pa].
 
-        They are linear between the paper's fixed steps, else a monotone cubic.
+        They are NaN at levels that the branch does not reach. Between the paper's fixed steps they
+        are linear, otherwise on a monotone cubic.
         """
         stress = self.history.stress[branch.steps]
         known = self.values[branch.steps]
@@ -310,9 +330,9 @@ class Curve:
         return cubic_over(stress, known)(levels)
 
     def seat(self, cycle: int, name: str) -> float:
-        """Read the value at the seating stress of a branch by its cycle and name.
+        """Read the value at the seating stress on a branch, by its cycle and name.
 
-        It is NaN where the branch does not reach down to the seating stress.
+        It is NaN where the branch does not reach down to the seating stress, or was not begun.
         """
         history = self.history
         branch = history.branch(cycle, name)
@@ -322,20 +342,20 @@ class Curve:
 
     @property
     def seats(self) -> np.ndarray:
-        """Values at the seating stress of the loading of each cycle (cycles,)."""
+        """Values (cycles,) at the seating stress on the loading of each cycle, NaN as in `seat`."""
         return np.array([self.seat(cycle.number, LOADING) for cycle in self.history.cycles])
 
     @property
     def at_maxima(self) -> np.ndarray:
-        """Values at the maximum of each cycle (cycles,), NaN in one that was not unloaded."""
+        """Values (cycles,) at the maximum of each cycle, NaN where unloading was not begun."""
         steps = [next(iter(cycle.unloading.steps), -1) for cycle in self.history.cycles]
         return np.where(np.array(steps) < 0, np.nan, self.values[steps])
 
     def where_reached(self, levels: np.ndarray, cycles: int, tolerance: float = 0.0) -> np.ndarray:
-        """Read the values where branches first reach stresses (levels,) [Pa], as `read`.
+        """Read the values (cycles, 2, levels) where branches first reach stresses (levels,) [Pa].
 
-        The result (cycles, 2, levels) is NaN at stresses that a branch does not have. A stress
-        beyond the end of a branch by at most the relative ``tolerance`` is read at that end.
+        They are as from `read`, and NaN at stresses that a branch does not have. A stress beyond
+        either end of a branch by at most the relative ``tolerance`` is read at that end.
         """
         answer = np.full((cycles, 2, levels.size), np.nan)
         near = 1.0 + 1.01 * tolerance
@@ -352,8 +372,9 @@ class Curve:
     def at(self, levels: np.ndarray) -> np.ndarray:
         """Read the values (cycles, 2, levels) on loading and unloading at stresses (levels,) [Pa].
 
-        They are of monotone cubics, one up to the landing of a loading and one beyond. Stresses
-        that a branch does not reach are NaN.
+        They are read on a monotone cubic. A loading with a landing has two, below and above its
+        landing stress. They are NaN at stresses that a branch does not reach; up to `_NEARLY` times
+        its largest stress they are read at the latter.
         """
         history = self.history
         read = np.full((history.begun, 2, levels.size), np.nan)
@@ -372,10 +393,11 @@ class Curve:
         return read
 
     def secant_stiffness(self, cycle: int, low: float, high: float) -> float:
-        """Compute the normal stiffness [Pa/m] of a loading by the chord between stresses [Pa].
+        """Compute the normal stiffness [Pa/m] of the loading of a cycle, by a chord.
 
-        The curve is that of a closure. The chord ends at most at the largest stress of the loading
-        and at its landing stress. NaN if nothing is left of it, or if the closure does not rise.
+        The curve must be that of a closure. The chord leads from the stress ``low`` [Pa] to
+        ``high`` [Pa], but at most to the largest stress of the loading and to its landing stress.
+        The stiffness is NaN if nothing is left of the chord, or if the closure does not rise.
         """
         history = self.history
         loading = history.branch(cycle, LOADING)
@@ -389,10 +411,11 @@ class Curve:
     def normal_stiffness(self, levels: np.ndarray) -> np.ndarray:
         """Compute the normal stiffness (cycles, 2, levels) [Pa/m] at stresses (levels,) [Pa].
 
-        The curve is that of a closure, whose slope itself goes up and down where contacts break.
-        The stiffness is therefore that of the concave curve nearest to the closure over stress,
-        and rises with stress. There is one such curve below the former maximum of a cycle, and
-        another above it.
+        The curve must be that of a closure, whose slope itself goes up and down where contacts
+        break. The stiffness is therefore that of the concave curve nearest to the closure over
+        stress, and rises with stress. There is one such curve below the former maximum of a cycle,
+        and another above it. The stiffness is NaN at stresses that a branch does not reach, and
+        above the landing stress.
         """
         history = self.history
         fine = self._slope_levels(levels)
@@ -412,10 +435,10 @@ class Curve:
         return stiffness
 
     def _slope_levels(self, levels: np.ndarray) -> np.ndarray:
-        """Return the stresses [Pa] between which slopes are computed.
+        """Return the stresses [Pa] between which slopes of the curve are computed, ascending.
 
         They are evenly spaced over the range of the table, with the former maxima, where the slope
-        changes, and those of the given levels that lie beyond that range.
+        changes, and those of the given ``levels`` [Pa] that lie beyond that range.
         """
         first, last = self.history.table_levels()[[0, -1]]
         formers = self.history.former_maxima
@@ -426,8 +449,12 @@ class Curve:
     def cycle_closures(self, minima: np.ndarray | None = None) -> dict[str, np.ndarray]:
         """Compute the maximum and residual closures of each cycle (cycles,) [m], by name.
 
-        The curve is that of a closure. They are NaN in a cycle that was not unloaded to its minimum
-        in ``minima`` (cycles,) [Pa]; by default any unloading will do.
+        The curve must be that of a closure. ``max_closure`` is the closure from the start of the
+        cycle to its maximum, and ``residual_closure`` the closure from first touch at the end of
+        its unloading. ``_seated`` closures count from the seating stress on the loading of the
+        cycle, and the residual one is read at the seating stress on its unloading. All are NaN in a
+        cycle that was not unloaded to its minimum in ``minima`` (cycles,) [Pa]; by default any
+        unloading will do.
         """
         closure = self.values
         minima = np.full(self.history.begun, np.inf) if minima is None else minima
@@ -450,9 +477,10 @@ def history_of(joint: xr.Dataset) -> History:
 
 
 def round_levels(low: float, high: float) -> np.ndarray:
-    """Return two stresses [Pa] and the multiples of a round interval between them.
+    """Return the stresses ``low`` and ``high`` [Pa], and round stresses between them.
 
-    A low stress of 0 is left out. There are at most `LEVELS` intervals.
+    The round stresses are the multiples of a round interval that are not close to either of the
+    two. There are at most `LEVELS` intervals. If ``low`` is 0, it is left out.
     """
     least = (high - low) / LEVELS
     power = 10.0 ** np.floor(np.log10(least))
@@ -464,7 +492,10 @@ def round_levels(low: float, high: float) -> np.ndarray:
 
 
 def with_snapshots(joint: xr.Dataset, stresses: Any) -> xr.Dataset:
-    """Return a joint with the snapshots at some stresses [Pa] only, as if simulated with these."""
+    """Return a joint with those of its snapshots only that are at some stresses [Pa].
+
+    It is as if simulated with these: without stresses the walls at first touch are left out too.
+    """
     if len(stresses):
         return joint.isel(snapshot=joint.snapshot_stress.isin(stresses))
     states = [name for name in joint.variables if str(name).startswith("snapshot_")]
@@ -472,7 +503,7 @@ def with_snapshots(joint: xr.Dataset, stresses: Any) -> xr.Dataset:
 
 
 def _with_start(steps: np.ndarray) -> np.ndarray:
-    """Return indices (n,) of consecutive steps with the one before them, if there is one."""
+    """Return indices (n,) of consecutive steps, with the step before them if there is one."""
     if steps.size and steps[0] > 0:
         return np.concatenate([[steps[0] - 1], steps])
     return steps

@@ -9,18 +9,20 @@ import scipy
 from jointclosure.joint.status import LOADING
 
 LAST_CHORD = 0.15
-"""Least part of the range of stress over which the last stiffness of a curve is read."""
+"""Share of the range of stress, at least, over which the last stiffness of a curve is computed."""
 END_SLOPES = 0.5, 2.0
-"""Least stiffness at the lower end of a curve, and largest at its upper end, over that of the
-nearest block of equal slope. They limit the extrapolation from the middle of that block."""
+"""Least stiffness at the lower end of a curve, and largest stiffness at its upper end, over the
+stiffness of the outer block of equal slope. They limit the extrapolation from its middle."""
 END_CHANGE = 0.5
-"""Largest change of a monotone curve beyond its outer group of equal values, over their mean."""
+"""Largest change of a monotone curve beyond the middle of an outer group, over the group's mean."""
 
 
 def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str = LOADING) -> float:
-    """Return the value where the stress (n,) [Pa] first reaches a level; NaN if it does not.
+    """Return the value where the stress (n,) [Pa] of a branch first reaches a level [Pa].
 
-    On unloading it is the last place at this level. Values are linear between steps.
+    On unloading this is the last place at the level. Values (n,) are linear between steps. The
+    result is NaN if the stress is nowhere as high as the level. If a loading starts above the
+    level, or an unloading ends above it, the value there is returned.
     """
     reached = np.flatnonzero(stress >= level)
     if reached.size == 0:
@@ -35,10 +37,11 @@ def crossing(stress: np.ndarray, values: np.ndarray, level: float, branch: str =
 
 
 def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
-    """Return a function of stress [Pa], the monotone cubic through values (n,) at stresses (n,).
+    """Return a function of stress [Pa]: the monotone cubic through values (n,) at stresses (n,).
 
-    Points are used whose stress exceeds all before. The function is NaN outside their range, and
-    between two of them if one has an unknown value, NaN.
+    Only points whose stress exceeds the stress of all points before are used. The function is NaN
+    outside their range, and between two of them if the value of either is NaN. If fewer than two
+    points have a value, it is NaN except at the stress of a point.
     """
     rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
     stress = stress[rises]
@@ -62,14 +65,15 @@ def cubic_over(stress: np.ndarray, values: np.ndarray) -> Callable[[Any], Any]:
 
 
 def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """Return the stiffness (levels,) [Pa/m], which rises with stress, of closures (n,) [m].
+    """Return the stiffness (levels,) [Pa/m] of closures (n,) [m] at stresses (n,) [Pa].
 
-    It is the slope of the concave curve nearest to the closures over stresses (n,) [Pa] (isotonic
-    regression of the chords), read in the middle of each block of equal slope and linear between.
+    It rises with stress, as the inverse slope of the concave curve of closure over stress that is
+    nearest to the closures (isotonic regression of the chords). It is read in the middle of each
+    block of equal slope, and is linear between. It is NaN if the closure rises nowhere.
     """
     run = np.diff(stress)
     fit = scipy.optimize.isotonic_regression(np.diff(closure) / run, weights=run, increasing=False)
-    # no later slope corrects the last ones, which are one chord therefore
+    # no later slope corrects the last slopes: they are replaced by one chord
     blocks = fit.blocks[stress[fit.blocks] <= stress[-1] - LAST_CHORD * np.ptp(stress)]
     blocks = np.append(blocks, stress.size - 1)
     middle = 0.5 * (stress[blocks[:-1]] + stress[blocks[1:]])
@@ -89,11 +93,13 @@ def rising_slopes(stress: np.ndarray, closure: np.ndarray, levels: np.ndarray) -
 
 
 def monotone_curve(at: np.ndarray, values: np.ndarray, rises: bool) -> np.ndarray:
-    """Return a monotone curve near values (n,) at ascending places, without steps.
+    """Return a monotone curve (n,) near values (n,) at ascending places (n,), without steps.
 
-    Neighbours that are against the order have one mean (isotonic regression). A monotone cubic
-    leads through the middles of such groups, so that the curve is not flat along them. It is
-    straight beyond the outer middles, and changes there by at most `END_CHANGE` of the outer mean.
+    ``rises`` is whether it rises or falls. Neighbouring values that are against this order have one
+    mean (isotonic regression). A monotone cubic leads through the middles of such groups, so that
+    the curve is not flat along them. It is straight beyond the outer middles, and changes there by
+    at most `END_CHANGE` of the outer mean. If all values are in order they are returned as they
+    are, and if all are one group their mean is.
     """
     fit = scipy.optimize.isotonic_regression(values, increasing=rises)
     # values that agree with the order stay as they are, each a group of its own

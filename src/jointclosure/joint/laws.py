@@ -21,9 +21,9 @@ from jointclosure.joint.status import BRANCHES, LOADING
 
 POINTS = 60  # evenly spaced stresses at which a law is fitted, with equal weights
 BENDS = 10.0
-"""Largest Vm of a hyperbola over the largest closure; beyond, a curve does not determine it.
+"""Largest Vm of a hyperbola over the largest closure; a curve does not determine a larger Vm.
 
-At that ratio the curve is a tenth of the hyperbola, whose stiffness increases by a quarter over it.
+At that ratio the curve ends at a tenth of Vm, and its stiffness has increased by a quarter there.
 """
 _STRAIGHT = 1e3  # largest Vm in a fit over the largest closure, for curves straighter than that
 FAILS = 0.05  # largest error of a law within its range, over the largest closure
@@ -36,9 +36,10 @@ _COLUMNS = [
 class Law(NamedTuple):
     """Empirical law of closure over stress, which `fit_law` fits.
 
-    ``parameters`` are names and units of its parameters by column. ``closure(stress, seating,
-    *parameters)`` is the closure [mm] at stresses [MPa], and ``guess(stress, closure, seating)``
-    the parameters from which the fit starts.
+    ``parameters`` are names and units of the law's parameters, by their columns in tables.
+    ``closure(stress, seating, *parameters)`` is the closure [mm] since a seating stress [MPa], at
+    stresses [MPa]. ``guess(stress, closure, seating)`` are the parameters from which the fit
+    starts.
     """
 
     parameters: dict[str, tuple[str, str]]
@@ -84,9 +85,10 @@ LAWS = {
 
 
 def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Read stress (n,) [MPa] and net closure since seating (n,) [mm], by cycle and branch.
+    """Read stresses (n,) [MPa] and net closures since seating (n,) [mm], by (cycle, branch).
 
-    Loadings beyond a former maximum are left out, and branches that do not reach all stresses.
+    Loadings beyond a former maximum are left out, and so are branches that do not reach all
+    stresses.
     """
     history = history_of(joint)
     read = {}
@@ -108,7 +110,12 @@ def law_curves(joint: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.
 def fitted_laws(
     joint: xr.Dataset, laws: Sequence[str] = tuple(LAWS), branches: Sequence[str] = BRANCHES
 ) -> pd.DataFrame:
-    """Fit laws to each cycle and branch by least squares of closure; return a row per parameter."""
+    """Fit laws to each cycle and branch by least squares of closure; return a row per parameter.
+
+    ``joint`` is a Dataset of `simulate` or `close`. ``laws`` are names of `LAWS`, ``branches``
+    names of `BRANCHES`. The columns are `_COLUMNS`; the errors and the range of a fit are as in
+    `fit_law`.
+    """
     seating = 1e-6 * history_of(joint).seating_stress
     rows = []
     for (cycle, branch), (stress, closure) in law_curves(joint).items():
@@ -124,12 +131,15 @@ def fitted_laws(
 
 
 def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
-    """Fit a law to closures (n,) [mm] at stresses (n,) [MPa] since a seating stress [MPa].
+    """Fit a law to closures (n,) [mm] since a seating stress [MPa], at stresses (n,) [MPa].
 
-    Return its parameters, their standard errors, and the quality of the fit by column. All are NaN
-    if the law cannot be fitted. kni or Vm of a hyperbola is undetermined, and NaN, if its standard
-    error exceeds it, and Vm also if it exceeds `BENDS` times the largest closure: the curve does
-    not bend.
+    Return the values of its parameters, their standard errors, and the quality of the fit by
+    column: ``r_squared``, the root mean square error ``rms_mm``, and the range of stress in which
+    the law holds. It is the longest run of stresses at which the error is at most `FAILS` of the
+    largest closure. All are NaN if the law cannot be fitted.
+
+    kni or Vm of a hyperbola is undetermined, and NaN, if its standard error exceeds it. Vm is so
+    too if it exceeds `BENDS` times the largest closure, because the curve does not bend.
     """
 
     def predicted(stress: np.ndarray, *parameters: float) -> np.ndarray:
@@ -167,7 +177,7 @@ def fit_law(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
 
 
 def loading_hyperbolas(joint: xr.Dataset, cycles: Iterable[int]) -> pd.DataFrame:
-    """Return ``kni_MPa_per_mm`` and ``vm_mm`` of the hyperbola of each loading, by cycle.
+    """Return ``kni_MPa_per_mm`` and ``vm_mm`` of the hyperbola of each loading, a row per cycle.
 
     They are NaN in cycles whose loading was not fitted.
     """
@@ -177,27 +187,32 @@ def loading_hyperbolas(joint: xr.Dataset, cycles: Iterable[int]) -> pd.DataFrame
 
 
 class BartonBandis(NamedTuple):
-    """Law of Barton and Bandis: aperture a_j, largest closure V_m [m], initial stiffness [Pa/m]."""
+    """Law of Barton and Bandis for the closure of a joint in one cycle.
+
+    Its constants are the mechanical ``aperture`` a_j [m], the ``largest_closure`` V_m [m], and the
+    ``initial_stiffness`` K_ni [Pa/m].
+    """
 
     aperture: float
     largest_closure: float
     initial_stiffness: float
 
     def closure(self, normal_stress: float | np.ndarray) -> Any:
-        """Return the closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
+        """Return the law's closure [m] at stresses sigma [Pa], sigma V_m / (K_ni V_m + sigma)."""
         stress = np.asarray(normal_stress, dtype=float)
         return _hyperbola(stress, 0.0, self.initial_stiffness, self.largest_closure)
 
     def since(self, normal_stress: float) -> "BartonBandis":
-        """Return the same law with stress and closure counted from a normal stress [Pa]."""
+        """Return this law with stress and closure counted from a normal stress [Pa], not from 0."""
         rise = 1.0 + normal_stress / (self.initial_stiffness * self.largest_closure)
         left = self.largest_closure - float(self.closure(normal_stress))
         return BartonBandis(self.aperture, left, self.initial_stiffness * rise**2)
 
     def results(self, normal_stress: float, seating: float = 0.0) -> dict[str, float]:
-        """Return the results of a loading to a stress [Pa], in SI, by the names of the model's.
+        """Return the law's results of a loading to a normal stress [Pa], by names as of the model.
 
-        The law counts from the ``seating`` stress [Pa].
+        They are K_ni [Pa/m], V_m [m], the chord stiffness [Pa/m] from half of the stress to the
+        stress, and the closure [m] at the stress. The law counts from the ``seating`` stress [Pa].
         """
         half, whole = self.closure(np.array([0.5, 1.0]) * normal_stress - seating)
         return {
@@ -227,20 +242,21 @@ Barton & Choubey (1977)."""
 def scaled_to(
     length: float, jrc: float, strength: float, lab_length: float = LAB_LENGTH
 ) -> tuple[float, float]:
-    """Scale JRC and JCS [Pa] of a laboratory joint to a joint of another length [m].
+    """Return JRC and JCS [Pa] of a joint of a ``length`` [m] from those of a laboratory joint.
 
-    Barton & Bandis 1982, 1990 (Eqs. 9, 10): JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and
-    JCS_n = JCS_0 (L_n/L_0)^(-0.03 JRC_0).
+    ``jrc`` JRC_0 and ``strength`` JCS_0 [Pa] are those of a joint of ``lab_length`` [m]. Barton &
+    Bandis 1982, 1990 (Eqs. 9, 10): JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and JCS_n = JCS_0
+    (L_n/L_0)^(-0.03 JRC_0).
     """
     ratio = length / lab_length
     return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
 
 
 def check_joint_lengths(joint_length: float | None = None, lab_length: float = LAB_LENGTH) -> None:
-    """Check the lengths [m] of the joint, if it is stated, and of the laboratory joint.
+    """Raise `InputError` unless the lengths [m] of a joint and of the laboratory joint are allowed.
 
-    Raise `InputError` if one is not allowed, or if the joint is shorter than the laboratory joint,
-    because JRC and JCS are scaled to longer joints only.
+    It is raised also if the joint is shorter than the laboratory joint, because JRC and JCS are
+    scaled to longer joints only. A ``joint_length`` of None is not checked.
     """
     check_length("lab_length", lab_length)
     if joint_length is None:
@@ -254,18 +270,19 @@ def check_joint_lengths(joint_length: float | None = None, lab_length: float = L
 
 
 def law_holds(jrc: float) -> bool:
-    """Return whether a roughness is in the range of the law, JRC 5 to 15."""
+    """Return whether a JRC is in the range of the law of Barton and Bandis, 5 to 15."""
     return 5.0 <= jrc <= 15.0
 
 
 def barton_bandis(
     jrc: float, compressive_strength: float, strength_ratio: float, cycle: int
 ) -> BartonBandis:
-    """Return the constants of the law for a joint in one of `CYCLES`.
+    """Return the law of Barton and Bandis of a joint in one of `CYCLES`, from zero stress.
 
     ``compressive_strength`` is sigma_c [Pa], ``strength_ratio`` sigma_c/JCS. Bandis, Lumsden &
     Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j = (JRC/5)(0.2 sigma_c/JCS - 0.1) mm, K_ni =
-    -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as for `_CONSTANTS`.
+    -7.15 + 1.75 JRC + 0.02 JCS/a_j MPa/mm, V_m as for `_CONSTANTS`. No range is checked
+    (`law_holds`).
     """
     a, b, c, d = _CONSTANTS[cycle]
     wall_strength = compressive_strength / strength_ratio * 1e-6
@@ -292,7 +309,7 @@ class JointLaws(NamedTuple):
 
     @property
     def scaled(self) -> tuple[float, float]:
-        """JRC and JCS [Pa] at the length of the joint."""
+        """JRC and JCS [Pa] of the joint, scaled to its length if this is stated."""
         if self.joint_length is None:
             return self.jrc, self.strength
         return scaled_to(self.joint_length, self.jrc, self.strength, self.lab_length)
@@ -306,7 +323,7 @@ class JointLaws(NamedTuple):
         return barton_bandis(jrc, self.strength, self.strength / wall_strength, cycle)
 
     def sentence(self) -> str:
-        """Describe the laws, and their constants from zero stress."""
+        """Describe the laws of Barton and Bandis, and their constants from zero stress."""
         jrc, wall_strength = self.scaled
         at_length = "" if self.joint_length is None else f" at {1e3 * self.joint_length:g} mm"
         is_scaled = bool(at_length)
@@ -333,7 +350,10 @@ class JointLaws(NamedTuple):
         )
 
     def record(self) -> dict[str, Any]:
-        """Return the constants with units in their names, those of cycles from zero stress."""
+        """Return JRC, JCS, lengths and the constants of each cycle, with units in their names.
+
+        The constants of cycles count from zero stress.
+        """
         jrc, wall_strength = self.scaled
         record = {
             "jrc": jrc,
@@ -362,12 +382,13 @@ def laws_of_joint(
     joint_length: float | None = None,
     lab_length: float = LAB_LENGTH,
 ) -> JointLaws:
-    """Return the laws of a joint of a JRC, whose JCS is the compressive ``strength`` [Pa].
+    """Return the laws of Barton and Bandis of a joint, from its JRC and compressive strength [Pa].
 
-    JCS is that of walls that are not weathered. The laws are those of the first ``cycles``, at most
-    three, and count from the ``seating`` stress [Pa]. There are none if the scaled JRC is out of
-    range (`law_holds`), and a cycle with a constant that is not positive is left out. With a
-    ``joint_length`` [m] the JRC and JCS of the laboratory length are scaled to it.
+    JCS is the ``strength``, as of walls that are not weathered. The laws are those of the first
+    ``cycles``, at most three, and count from the ``seating`` stress [Pa]. A cycle is left out if
+    one of its constants is not positive, and all cycles are if the scaled JRC is out of range
+    (`law_holds`). With a ``joint_length`` [m] JRC and JCS are scaled to it from the ``lab_length``
+    [m].
     """
     laws = JointLaws(jrc, strength, seating, {}, joint_length, lab_length)
     known = CYCLES[: cycles if law_holds(laws.scaled[0]) else 0]

@@ -14,25 +14,28 @@ SEATING_STRESS = 0.5e6  # usual stress [Pa] from which seated closures count, as
 LARGEST_SEATING = 0.9
 """Largest seating stress over the smallest maximum of the load."""
 _SEATING_SHARE = 0.1
-"""Default seating stress over the smallest maximum of the load, where the usual one is larger."""
+"""Default seating stress over the smallest maximum of a load, where the usual one is too large."""
 
 
 _STATED = "max_normal_stress (--stress)"
-"""Keyword of the load, and its option."""
+"""Keyword of the load, and its option on the command line."""
 
 
 class LoadCycle(NamedTuple):
-    """Loading to a maximum and unloading to a minimum, in one unit; 0 is last contact."""
+    """Loading to a maximum and unloading to a minimum, both stresses [Pa] or both forces [N].
+
+    A minimum of 0 stands for last contact.
+    """
 
     maximum: float
     minimum: float = 0.0
 
 
 class Load(NamedTuple):
-    """Checked load of a joint.
+    """Checked load of a joint: its load cycles, and the stresses that were stated.
 
-    ``load_cycles`` are in Pa. ``stresses`` [Pa] are those that were stated: where the load turns if
-    ``is_history``, else the maximum of all cycles.
+    ``load_cycles`` are in Pa. ``stresses`` [Pa] are as stated: the turning points of a load history
+    if ``is_history``, else the one maximum of all cycles.
     """
 
     load_cycles: tuple[LoadCycle, ...]
@@ -40,7 +43,7 @@ class Load(NamedTuple):
     is_history: bool
 
     def __str__(self) -> str:
-        """Return the stated load as messages name it."""
+        """Return the stated load in MPa, with its keyword and option, as messages name it."""
         return _shown(self.stresses, self.is_history)
 
     def description(self) -> str:
@@ -58,24 +61,31 @@ class Load(NamedTuple):
 
     @property
     def least_maximum(self) -> float:
-        """Smallest maximum of all cycles [Pa]."""
+        """Smallest maximum of all load cycles [Pa]."""
         return min(cycle.maximum for cycle in self.load_cycles)
 
     @property
     def largest(self) -> float:
-        """Largest stress [Pa], of the type in which it was stated."""
+        """Largest stress of the load [Pa], a number of the type that was stated."""
         return max(self.stresses)
 
 
 def stated_load(max_normal_stress: float | Sequence[float], cycles: int | None = None) -> Load:
-    """Return the load that is stated (see `Conditions`), or raise `InputError`."""
+    """Return the load that is stated as in `Conditions`, a maximum or a history [Pa].
+
+    Raise `InputError` if it is not allowed.
+    """
     if _is_history(max_normal_stress):
         return parsed_load(tuple(cast(Sequence[float], max_normal_stress)), True, cycles)
     return parsed_load((cast(float, max_normal_stress),), False, cycles)
 
 
 def parsed_load(given: tuple[float, ...], is_history: bool, cycles: int | None = None) -> Load:
-    """Return the load of the stresses [Pa] that are stated, or raise `InputError`."""
+    """Return the load of stated stresses [Pa], or raise `InputError`.
+
+    If ``is_history`` they are alternately maxima and minima; a last maximum gets the minimum 0.
+    Otherwise the first is the maximum of all ``cycles``, by default `USUAL_CYCLES`.
+    """
     if cycles is not None:
         check_count("cycles", cycles, 1, MOST_CYCLES)
     if len(given) > 2 * MOST_CYCLES:
@@ -112,7 +122,10 @@ def parsed_load(given: tuple[float, ...], is_history: bool, cycles: int | None =
 
 
 def usual_seating(least: float) -> float:
-    """Return the default seating stress [Pa] for the smallest maximum [Pa] of a load."""
+    """Return the default seating stress [Pa] for the smallest maximum ``least`` [Pa] of a load.
+
+    It is `SEATING_STRESS`, or a tenth of the maximum if the former exceeds 0.9 of the maximum.
+    """
     low = 0.0 < LARGEST_SEATING * least < SEATING_STRESS
     return _SEATING_SHARE * least if low else SEATING_STRESS
 
@@ -131,7 +144,10 @@ def _is_history(stress: object) -> bool:
 
 
 def check_turns(load: Load, tolerance: float) -> None:
-    """Raise `InputError` if a minimum and a maximum beside it may be equal within the tolerance."""
+    """Raise `InputError` if a minimum and a maximum beside it may be equal within a tolerance.
+
+    The ``tolerance`` is relative, and applies to both.
+    """
     cycles = load.load_cycles
     for number, cycle in enumerate(cycles):
         minimum = cycle.minimum
@@ -147,7 +163,7 @@ def check_turns(load: Load, tolerance: float) -> None:
 
 
 def check_snapshots(snapshots: Sequence[float], load: Load) -> None:
-    """Raise `InputError` unless the stresses [Pa] of snapshots are from 0 to the largest one."""
+    """Raise `InputError` unless the stresses [Pa] of snapshots are from 0 to the load's largest."""
     for stress in snapshots:
         check_number("snapshots", stress)
         if not 0.0 <= stress <= load.largest:

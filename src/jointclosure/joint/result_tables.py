@@ -10,7 +10,8 @@ from jointclosure.joint.history import Branch, History, history_of
 from jointclosure.joint.status import BRANCHES, LOADING
 
 WATER = 9.81 * 998.2 / (12.0 * 1.002e-3)
-"""Transmissivity of water at 20 degrees [m2/s] over the cube of the hydraulic aperture [m]."""
+"""Transmissivity for water at 20 degrees Celsius [m2/s] over the cube of the hydraulic aperture
+[m]."""
 HYDRAULIC = "hydraulic_aperture", "smallest_hydraulic", "largest_hydraulic"
 """Variables of flow: the hydraulic aperture where it is known, and its bounds."""
 TRANSMISSIVITIES = {
@@ -18,15 +19,19 @@ TRANSMISSIVITIES = {
     "smallest_hydraulic_mm": "smallest_transmissivity_m2_per_s",
     "largest_hydraulic_mm": "largest_transmissivity_m2_per_s",
 }
-"""Columns of the transmissivity of water, and of its bounds, by those of apertures."""
+"""Columns of the transmissivity and its bounds, by the columns of the hydraulic apertures."""
 ENDS = ["low", "high"]
-"""Ends of a range or band, as the names of its columns end."""
+"""Endings of the names of the columns with the lower and the upper limit of a range or band."""
 WIDER = ["low_with_choices", "high_with_choices"]
-"""Ends of the range or band with other choices of the model too."""
+"""Endings for the limits of the range or band that includes other choices of the model."""
 
 
 def curve_table(joint: xr.Dataset) -> pd.DataFrame:
-    """Tabulate closure, aperture and contact of each step, by cycle and branch."""
+    """Tabulate closure, aperture and contact of each step of a joint, by cycle and branch.
+
+    The first step of a branch is the last one of the branch before it, which is repeated. Columns
+    have their units in their names.
+    """
     history = history_of(joint)
     flow = _flow_columns(history)
     rows = []
@@ -60,7 +65,11 @@ def _columns_of_branch(history: History, branch: Branch) -> dict[str, Any]:
 
 
 def _flow_columns(history: History) -> dict[str, np.ndarray]:
-    """Return hydraulic apertures (steps,), their bounds, status, and ratio to the mean aperture."""
+    """Return the columns of flow (steps,): hydraulic apertures, their bounds, status and ratio.
+
+    The ratio is that of the hydraulic to the mean aperture, NaN if the latter is 0. There are no
+    columns for a joint without flow.
+    """
     columns: dict[str, np.ndarray] = {}
     if not history.has_flow:
         return columns
@@ -78,7 +87,10 @@ def _flow_columns(history: History) -> dict[str, np.ndarray]:
 
 
 def cycle_table(joint: xr.Dataset) -> pd.DataFrame:
-    """Tabulate the closures of each cycle, since seating as in laboratory reports."""
+    """Tabulate the closures of each cycle of a joint, and its apertures at the maximum.
+
+    Closures count since seating as in laboratory reports, and also from first touch.
+    """
     history = history_of(joint)
     columns: dict[str, Any] = {"cycle": np.array([cycle.number for cycle in history.cycles])}
     for kind, closure in history.closures.items():
@@ -107,7 +119,7 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
     By default the stresses are those of `History.table_levels`. Closures since seating and
     apertures are in mm, stiffnesses in MPa/mm and transmissivities in m2/s; they are NaN where the
     branch does not reach the stress. Hydraulic apertures are geometric means of both directions.
-    They are 0 where the ``flow_status`` is blocked (`History.flow_status_at`), except the upper
+    Where the ``flow_status`` is blocked (`History.flow_status_at`) they are 0, except the upper
     bound.
     """
     history = history_of(joint)
@@ -126,7 +138,7 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
         for name in HYDRAULIC:  # geometric means along x and y
             mean = np.sqrt(joint[name].prod("direction", skipna=False).values)
             aperture = 1e3 * np.maximum(history.curve(mean).at(levels), 0.0)
-            if name != "largest_hydraulic":  # between steps, one of which has no flow
+            if name != "largest_hydraulic":  # also between a step with flow and a step without
                 aperture[statuses == "blocked"] = 0.0
             columns[f"{name}_mm"] = aperture
         columns["flow_status"] = statuses
@@ -139,9 +151,9 @@ def stress_table(joint: xr.Dataset, levels: np.ndarray | None = None) -> pd.Data
 
 
 def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
-    """Return a `stress_table` with the transmissivity of every hydraulic aperture in it.
+    """Return a `stress_table` with the transmissivity for every hydraulic aperture in it.
 
-    Bounds and bands of the aperture have theirs too (`TRANSMISSIVITIES`).
+    Bounds and bands of the apertures have their transmissivities too (`TRANSMISSIVITIES`).
     """
     added = {}
     for name, transmissivity in TRANSMISSIVITIES.items():
@@ -152,7 +164,7 @@ def with_transmissivity(curves: pd.DataFrame) -> pd.DataFrame:
 
 
 def has_bands(curves: pd.DataFrame) -> bool:
-    """Return whether a `stress_table` has bands."""
+    """Return whether a `stress_table` has columns with the limits of bands."""
     return "closure_net_since_seating_mm_low" in curves
 
 
@@ -167,5 +179,8 @@ def columns_of(curves: pd.DataFrame, name: str) -> list[str]:
 
 
 def wider_columns_of(curves: pd.DataFrame, name: str) -> list[str]:
-    """Return the names of the columns of a band with other choices of the model; none without."""
+    """Return the names of the columns of a quantity's band with other choices of the model.
+
+    There are none if the `stress_table` has no such band.
+    """
     return [f"{name}_{end}" for end in WIDER if f"{name}_{end}" in curves]

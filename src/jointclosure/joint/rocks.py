@@ -11,7 +11,11 @@ from jointclosure.parameters import PROPERTIES, Rock, acting, check_rock, in_dou
 
 
 class KnownRock(NamedTuple):
-    """Title and properties of a rock; JRC and largest stress [Pa], an assumption, of its joints."""
+    """Title and properties of a rock of the package, with data of its joints.
+
+    ``jrc`` is the JRC of the paper's joints, None if unknown. ``max_normal_stress`` [Pa] is the
+    largest stress of its joints, an assumption.
+    """
 
     title: str
     intact: Rock
@@ -46,7 +50,10 @@ def named_rock(rock: str | Rock) -> Rock:
 
 
 def matching(name: str, known: Collection[str]) -> str | None:
-    """Return the known name that equals a name, if need be without regard to case, or None."""
+    """Return the known name that equals ``name``, if need be without regard to case.
+
+    Return None if there is none.
+    """
     alike = (other for other in known if other.casefold() == name.casefold())
     return name if name in known else next(alike, None)
 
@@ -54,7 +61,8 @@ def matching(name: str, known: Collection[str]) -> str | None:
 def both_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
     """Return the rocks (upper, lower) of one rock or a pair, by names or properties.
 
-    Raise `InputError` for an unknown name or a property that is not allowed.
+    Numbers of numpy types become Python's. Raise `InputError` for an unknown name, a property that
+    is not allowed, or a sequence of other than two rocks.
     """
     several = isinstance(rock, tuple | list) and not isinstance(rock, Rock)
     given: Any = rock if several else (rock, rock)
@@ -85,7 +93,10 @@ def rock_record(rock: Rock | tuple[Rock, Rock], name: str) -> dict:
 
 
 def _in_units(rock: Rock) -> dict[str, tuple[float, str]]:
-    """Return each property that acts in the unit of its key, and that unit after a space."""
+    """Return each property of a rock that acts, by name, in the unit of its key, and this unit.
+
+    The unit follows a space, or is empty for a number without unit.
+    """
     shown = {}
     for field in acting(rock):
         value = getattr(rock, field)

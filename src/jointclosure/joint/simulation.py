@@ -87,7 +87,8 @@ def simulate(
         Rock, load and model.
     report : callable, optional
         Called at every step with its cycle, its branch ("loading" or "unloading") and
-        its stress over the maximum of the cycle.
+        its stress over the maximum of the cycle. Without breakage, where the default solver takes
+        no steps, it is not called.
     snapshots : sequence of float
         Stresses from 0 to the largest [Pa] at which the state of the joint is stored, on each
         branch: where the branch first passes the stress, the state of the nearer step is
@@ -151,8 +152,8 @@ def simulate_as_checked(
 ) -> xr.Dataset:
     """Simulate two walls (y, x) [m] as `simulate`, under conditions from `checked_as_stated`.
 
-    The ``snapshots`` [Pa] were checked with them. Doubts about walls and load are warnings at the
-    line that called the caller.
+    The ``snapshots`` [Pa] must have been checked with the conditions. Doubts about walls and load
+    are warnings at the line that called the caller, unless unusual values are accepted.
     """
     spacing = checked.grid_spacing
     walls = checked_walls(upper, lower, spacing)
@@ -175,7 +176,8 @@ def simulate_walls(
 ) -> xr.Dataset:
     """Simulate two walls (y, x) [m] as `simulate`, under conditions that were checked before.
 
-    Of values that were changed since then only whether they fit each other is checked.
+    Conditions that were changed since then are only checked for whether they fit each other.
+    ``solver_of`` returns the solver of a name.
     """
     walls = checked_walls(upper, lower, conditions.grid_spacing)
     check_together(conditions)
@@ -184,11 +186,12 @@ def simulate_walls(
 
 
 NEAR_STRENGTH = 0.75
-"""Largest stress over that which all cells together carry, from which a simulation is slow."""
+"""Maximum stress over the stress that all cells together carry, from which a simulation is slow."""
 _USUAL_SHARE = 0.24
 _TIMES_OF_USUAL = {NEAR_STRENGTH: (5, 18), 0.9: (12, 34)}
-"""Smallest and largest time over that at `_USUAL_SHARE` of the stress that all cells carry, by the
-least share at which they apply (benchmarks/results/near_strength/near_strength.csv)."""
+"""Smallest and largest time over the time at `_USUAL_SHARE` of the stress that all cells carry, by
+the least share of it from which they apply
+(benchmarks/results/near_strength/near_strength.csv)."""
 
 
 class Simulation:
@@ -249,14 +252,17 @@ class Simulation:
 
     @property
     def share_of_strength(self) -> float:
-        """Largest stress over that which all cells of the intact joint carry together.
+        """Largest stress of the load over the stress that all cells of the joint carry together.
 
-        It is 0 where nothing bounds this stress (`Strength`).
+        The joint is intact. It is 0 where nothing bounds the latter (`Strength`).
         """
         return float(self.conditions.largest_stress) / self._strength.of_joint
 
     def near_strength(self) -> list[str]:
-        """Say that the simulation will be slow, if the stress is near the strength of all cells."""
+        """Return a warning that the simulation will be slow, or nothing, as a list of sentences.
+
+        It is slow if the stress is near the strength of all cells (`NEAR_STRENGTH`).
+        """
         share = self.share_of_strength
         if share < NEAR_STRENGTH:
             return []
@@ -275,9 +281,10 @@ class Simulation:
         ]
 
     def run(self, report: cycling.StepReport | None = None) -> xr.Dataset:
-        """Return the history of the joint, as `simulate` does; ``report`` is as there.
+        """Simulate the joint, whose walls are crushed in place; return the Dataset of `simulate`.
 
-        Raise `RuntimeError` the second time, because the walls of the joint are then crushed.
+        ``report`` is as for `simulate`. Raise `RuntimeError` the second time, because the walls of
+        the joint are then crushed.
         """
         if self._has_run:
             raise RuntimeError("a Simulation runs once: its walls are crushed now")
@@ -312,7 +319,11 @@ def _pristine(
     datums: tuple[float, float],
     choices: Choices,
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return checked pristine walls (y, x) [m] less the datums of the walls that are closed."""
+    """Return checked pristine walls (y, x) [m], less the datums [m] of the walls that are closed.
+
+    Return None if there are none. Raise `InputError` if they are not allowed or not of this
+    ``shape``, or if soft peaks are those of the current walls.
+    """
     if walls is None:
         return None
     if choices.peaks == "current":
@@ -327,7 +338,11 @@ def _pristine(
 
 
 def height_datum(wall: np.ndarray) -> float:
-    """Return a datum [m] for the heights of a wall (y, x), so that an offset costs no digits."""
+    """Return a datum [m] to subtract from a wall (y, x) [m], so that an offset costs no digits.
+
+    It is 0 unless the offset is large compared with the range of heights, so that most heights are
+    not rounded anew. Otherwise it is a multiple of a power of 2. For a flat wall it is its height.
+    """
     low = float(wall.min())
     high = float(wall.max())
     middle = 0.5 * low + 0.5 * high
@@ -483,7 +498,10 @@ def _history_dataset(
 
 
 def _variables(*groups: tuple[Any, Mapping[str, Any]]) -> dict[str, tuple[Any, ...]]:
-    """Return values by name with the dimensions of their group, and their attributes."""
+    """Return the variables of a Dataset by name, each as (dimensions, values, attributes).
+
+    A group is the dimensions and the values by name that have them.
+    """
     return {
         name: (dimensions, value, ATTRIBUTES[name])
         for dimensions, values in groups
@@ -500,7 +518,7 @@ def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
 
 
 def _check_step_lengths(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
-    """Refuse displacement steps smaller than the rounding of the heights."""
+    """Raise `InputError` for displacement steps of less than four roundings of the heights."""
     resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
     for name in ("displacement_step", "later_displacement_step"):
         if getattr(numerics, name) < 4.0 * resolution:

@@ -13,9 +13,10 @@ from jointclosure.solvers.joint import Joint
 
 
 def fields_of(joint: Joint, closure: float) -> tuple[np.ndarray, np.ndarray]:
-    """Compute overlap delta_S and displacement by all other contacts, both (y, x) [m].
+    """Compute the overlap of each cell and its displacement by all other contacts, (y, x) [m].
 
-    The overlap is negative where the walls are apart.
+    The joint has the forces of the state at ``closure`` [m]. The overlap delta_S is negative where
+    the walls are apart. Without interaction the displacement is 0.
     """
     if joint.interaction_acts:
         displacement = interaction_field(joint.influence, joint.force)
@@ -42,7 +43,7 @@ _PLACES: dict[str, tuple[dict[str, str], type]] = {
 
 
 class _State(NamedTuple):
-    """State of a joint at a step, with the number of the step; fields (y, x) are copies."""
+    """State of a joint at a step: its number, normal stress [Pa], and copies of fields by name."""
 
     step: int
     normal_stress: float
@@ -50,9 +51,10 @@ class _State(NamedTuple):
 
 
 class Snapshots:
-    """`Observer` that stores the joint where each branch first passes given stresses [Pa].
+    """`Observer` of a history that stores the joint where branches first pass given stresses [Pa].
 
-    ``tolerance`` is relative, ``datums`` are added to the heights of (upper, lower) wall [m].
+    ``tolerance`` is relative: a stress is passed if it is reached to within it. ``datums`` (upper,
+    lower) [m] are added to the heights of the walls that are stored.
     """
 
     def __init__(self, stresses: Sequence[float], tolerance: float, datums: tuple[float, float]):
@@ -64,7 +66,10 @@ class Snapshots:
         self._kept: dict[tuple[float, int, str], _State] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
-        """Store this state, or the one before, if the step passes a stress."""
+        """Store the state at a step, or the state before if that is nearer, if it passes a stress.
+
+        The state is kept for the next call in any case.
+        """
         state = self._state(joint, step)
         self._first = self._first or state
         before = self._last or state._replace(normal_stress=-np.inf)
@@ -90,7 +95,7 @@ class Snapshots:
         return _State(self._last.step + 1 if self._last else 0, stress, fields)
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
-        """Return a history with its snapshots along ``snapshot``, in order of time."""
+        """Return a history with its snapshots along ``snapshot``, in the order they were passed."""
         shape = (closed.sizes["y"], closed.sizes["x"])
         states = list(self._kept.values())
         first = cast(_State, self._first)

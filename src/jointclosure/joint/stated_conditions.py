@@ -13,7 +13,7 @@ from jointclosure.parameters import check_effective
 
 
 def check_carried(checked: CheckedConditions) -> None:
-    """Raise `InputError` if no walls of the rocks of checked conditions carry the stress."""
+    """Raise `InputError` if no walls of the rocks can carry the stress of checked conditions."""
     check_strength(checked.rock, checked.largest_stress, *checked.model, checked.spacing)
 
 
@@ -24,8 +24,8 @@ def checked_as_stated(
 
     Return them as `Conditions.checked` does. Raise `InputError` if a value is not allowed, if no
     walls of the rocks carry the stress, or if a setting was changed that has no effect
-    (`check_effective`). ``varied`` is whether the function
-    also simulates joints with fewer effects.
+    (`check_effective`). ``snapshots`` are stresses [Pa]. ``varied`` is whether the function also
+    simulates joints with fewer effects.
     """
     checked = stated.checked(snapshots)
     check_carried(checked)

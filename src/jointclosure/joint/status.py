@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 
 class Flag(NamedTuple):
-    """A bit of the status of a simulation: its name, what happened, and what to do.
+    """Bit of the status of a simulation: its name, what it means, and what to do about it.
 
-    ``words`` are a few words for the name.
+    ``words`` say the name in a few words, for sentences.
     """
 
     name: str
@@ -61,26 +61,26 @@ STATUSES = {
 }
 """Bits of a simulation's status: below `FAILURE` remarks on a success, from it on failures."""
 FLAGS = {bit: flag.name for bit, flag in STATUSES.items()}
-"""Names of the bits."""
+"""Names of the status bits, by bit."""
 TARGET_JUMPED, OUTSIDE_MODEL_RANGE, FAILURE, BREAKAGE_NOT_AT_REST, *_ = FLAGS
 LARGEST_UNBREAKABLE_SHARE = 0.1  # of the force on contacts that cannot break, for a valid model
 BRANCHES = LOADING, UNLOADING = "loading", "unloading"
 FLOW_STATUSES = "flows", "blocked", "at_least", "not_solved"
-"""Words of the status of a flow, from the one by which most is known."""
+"""Words of the status of a flow, from that of a solved flow to that of an unknown one."""
 ONLY_BOUNDS = FLOW_STATUSES[2:]
 """Statuses at which the hydraulic aperture is missing, and only its bounds are known."""
 
 
 def flags_of(status: int) -> list[Flag]:
-    """Return the flags of a status."""
+    """Return the flags of all bits that are set in the status of a simulation."""
     return [flag for bit, flag in STATUSES.items() if status & bit]
 
 
 def failed(joint: Any) -> bool:
-    """Return whether the simulation of a joint failed, by the status in its dataset."""
+    """Return whether the simulation of a joint, given by its Dataset, failed, by its status."""
     return int(joint.status) >= FAILURE
 
 
 def unbreakable_share(joint: Any) -> Any:
-    """Return the share of the force on contacts that cannot break, locked or flat."""
+    """Return the share of the force on contacts that cannot break, locked or flat, of a state."""
     return joint.locked_share + joint.flat_share

@@ -15,11 +15,13 @@ _VIRGIN_OF_MAXIMUM = 6.0
 """Allowed change of force in a step beyond the former maximum (virgin loading), relative to the
 maximum and over the tolerance. Longer steps crush too many asperities."""
 _VIRGIN_OF_FORCE = 45.0
-"""The same, relative to the present force."""
+"""Allowed change of force in a step of virgin loading, relative to the present force and over the
+tolerance."""
 _LATER_OF_MAXIMUM = 35.0
 """Allowed change of force in a step elsewhere, relative to the maximum and over the tolerance."""
 _LATER_OF_FORCE = 175.0
-"""The same, relative to the present force."""
+"""Allowed change of force in a step elsewhere, relative to the present force and over the
+tolerance."""
 _MOST_OF_MAXIMUM = 0.1
 """Largest allowed change of force at any tolerance, relative to the maximum."""
 _MOST_OF_FORCE = 0.5
@@ -33,7 +35,7 @@ _SMALLEST_STEP = 1.0 / 64.0
 _AIM = 0.8
 """Change that is aimed at in the next step, over the allowed change."""
 _RETRY = 0.4
-"""Ratio of the next step to the last one below which the last one is repeated."""
+"""Ratio of the next step to the last step, below which the last step must be repeated."""
 _MOST_LOST = 0.75
 """Largest share of a predicted rise of force that breakage is expected to remove."""
 _RESIDUAL = 0.25
@@ -41,29 +43,30 @@ _RESIDUAL = 0.25
 _LOOSEST = 0.04
 """Largest relative residual of a prediction."""
 _NEAR = 0.97
-"""Target of a step that should reach the end of the loading, over the allowed rise."""
+"""Aim of a step that should reach the end of the loading, over the rise allowed to it."""
 _HARDLY_LESS = 0.8
-"""Share of the rise before from which a shortened step counts as hardly shortened: most of the
-contacts are then at their strength."""
+"""Rise of force of a shortened step over that of the step before it was shortened, from which the
+rise counts as hardly less: most of the contacts are then at their strength."""
 _MUCH_SHORTER = 0.35
-"""Largest share of a step that is taken next where it was hardly shortened."""
+"""Largest share of a step that is tried next where shortening it hardly lessened its rise."""
 _MOST_SHORTENED = 4
 """Largest number of times that a step is shortened before it is taken."""
 _NEAR_SEATING = 0.05
 """Share of the seating force by which a state of an elastic branch may miss it."""
 _BEFORE_READING = 0.85
-"""Share of a force at which a virgin loading is read, from which its steps are shorter. Forces go
-up and down, and longer steps miss the first peak."""
+"""Share of a force at which closures of a virgin loading are read, up to which its steps may be of
+full length. Beyond it they are shorter: forces go up and down, and longer steps miss the first
+peak."""
 _PART = 0.2
-"""Least allowed change of these shorter steps, over the usual one."""
+"""Least allowed change of force in these shorter steps, over the usual allowed change."""
 
 
 class StepControl:
     """Selection of the displacement steps [m] of one branch, with resolved breakage.
 
-    ``given`` is the configured step [m]. Loading to ``target_force`` [N] is virgin beyond
-    ``former``, the largest earlier maximum [N]; infinity stands for unloading. A branch that passes
-    the seating force [N] without breakage has a state near it.
+    ``given`` is the configured step [m]. The branch is a loading to ``target_force`` [N], which is
+    virgin beyond ``former``, the largest earlier maximum [N], or an unloading if ``former`` is
+    infinite. A branch that passes the ``seating_force`` [N] without breakage gets a state near it.
     """
 
     def __init__(
@@ -85,9 +88,10 @@ class StepControl:
         self._broke = False  # in the last step
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
-        """Return a step [m] from a force [N], shortened until its predicted rise is allowed.
+        """Return a displacement step [m] from a force [N], shortened until its rise is allowed.
 
-        ``predict(step, residual)`` returns the force [N] after a step before anything breaks.
+        ``predict(step, residual)`` returns the force [N] after a step, before anything breaks.
+        `following` must be called next, with the state after the step.
         """
         seated = self._broke or force >= (1.0 - _NEAR_SEATING) * self._seating
         missing = (self._target if seated else min(self._seating, self._target)) - force
@@ -119,7 +123,11 @@ class StepControl:
         return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
-        """Return the step [m] to follow one from a force [N] to a settled state, by its error."""
+        """Return the next displacement step [m], by the error of the last one.
+
+        ``step`` [m] led from ``force`` [N] to the state ``settled``, and was returned by `fitting`.
+        The caller must repeat it if `must_repeat` says so.
+        """
         rise = settled.total_force - force
         self._slope = rise / step
         self._lost = 0.0
@@ -132,18 +140,20 @@ class StepControl:
         return self.after(step, force, rise, settled.correction / allowed)
 
     def after(self, step: float, force: float, change: float, missed: float = 0.0) -> float:
-        """Return the step [m] at a force [N] after a step [m] with a ``change`` of force [N].
+        """Return the next step [m] after a ``step`` [m] from a force [N] with a change of force.
 
-        ``missed`` is the error of that step over the allowed error.
+        ``change`` is in N, ``missed`` is the error of that step over the allowed error. The next
+        step is between the smallest and the largest allowed one, and between a quarter and twice
+        the last one.
         """
         factor = _AIM / max(missed, change / self._most_change(force), 0.01)
         longer = step * min(max(factor, 0.25), 2.0)
         return min(max(longer, self._smallest), self._largest)
 
     def step_to_seating(self, step: float, force: float, left: float) -> float:
-        """Return the step [m] of unloading, shortened if it passes the seating force.
+        """Return a step [m] of unloading, shortened if it would pass the seating force.
 
-        With it the force falls from ``force`` to ``left`` [N].
+        With the whole ``step`` the force falls from ``force`` to ``left`` [N].
         """
         least, most = ((1.0 + side * _NEAR_SEATING) * self._seating for side in (-1.0, 1.0))
         if left >= least or force <= most or step <= self._smallest:
@@ -151,7 +161,7 @@ class StepControl:
         return max((force - self._seating) / (force - left) * step, self._smallest)
 
     def _most_change(self, force: float) -> float:
-        """Return the largest allowed change of force [N] of a step from a force [N]."""
+        """Return the largest allowed change of force [N] in a step that starts at a force [N]."""
         virgin = self._former <= force and self._former < self._target
         rise = self._tolerance * (_VIRGIN_OF_MAXIMUM if virgin else _LATER_OF_MAXIMUM)
         steepest = self._tolerance * (_VIRGIN_OF_FORCE if virgin else _LATER_OF_FORCE)

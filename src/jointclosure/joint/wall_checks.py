@@ -18,8 +18,9 @@ _SAME_STEP = 1e-3
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Return the heights (y, x) [m] of two walls of one shape, as new arrays.
 
-    Raise `InputError` if heights or shapes are not allowed, or coordinates are neither equal nor
-    in steps of the ``spacing`` [m].
+    ``upper`` and ``lower`` are arrays, or `xarray.DataArray` or `pandas.DataFrame`, whose
+    dimensions are used by name. Raise `InputError` if heights or shapes are not allowed, or if
+    coordinates differ between the walls or are not in steps of the ``spacing`` [m].
     """
     walls = []
     for name, wall in zip(("upper", "lower"), _aligned(upper, lower), strict=True):
@@ -41,7 +42,10 @@ def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarra
 
 
 def _aligned(upper, lower) -> tuple:
-    """Return both walls with named dimensions in the same order."""
+    """Return both walls with dimensions in the same order, (y, x) if these are their names.
+
+    Raise `InputError` if their named dimensions or coordinates differ.
+    """
     upper = _by_names("upper", upper)
     lower = _by_names("lower", lower)
     if not (isinstance(upper, xr.DataArray) and isinstance(lower, xr.DataArray)):
@@ -58,7 +62,7 @@ def _aligned(upper, lower) -> tuple:
 def warn_of_doubts(
     upper: np.ndarray, lower: np.ndarray, spacing: float, stacklevel: int = 3
 ) -> None:
-    """Warn (`UserWarning`) of a probable error of units or orientation.
+    """Warn (`UserWarning`) of probable errors of units or orientation of two walls (y, x) [m].
 
     The warning is at the line that called the caller, or at another ``stacklevel`` of Python.
     """
@@ -67,7 +71,10 @@ def warn_of_doubts(
 
 
 def _by_names(name: str, wall):
-    """Return a wall with dimensions (y, x) in this order, if these are their names."""
+    """Return a wall with dimensions (y, x) in this order, if these are the names of its dimensions.
+
+    A `pandas.DataFrame` becomes a `xarray.DataArray`. Raise `InputError` for a `xarray.Dataset`.
+    """
     if isinstance(wall, xr.Dataset):
         raise InputError(
             f"{name}: is an xarray.Dataset of {', '.join(map(str, wall.data_vars))}; must be an "
@@ -83,7 +90,10 @@ def _by_names(name: str, wall):
 
 
 def _check_coordinate_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
-    """Raise `InputError` if a wall's coordinates are not a grid of the given spacing [m]."""
+    """Raise `InputError` if a wall's coordinates are not a grid of the given spacing [m].
+
+    Coordinates that are not numbers, or that count cells in steps of 1, are not checked.
+    """
     for axis in wall.dims:
         if axis not in wall.coords or wall[axis].size < 2 or wall[axis].dtype.kind not in "fiu":
             continue
@@ -103,7 +113,10 @@ def _check_coordinate_steps(name: str, wall: xr.DataArray, spacing: float) -> No
 
 
 def _check_coordinates(name: str, above: np.ndarray, below: np.ndarray) -> None:
-    """Raise `InputError` unless the coordinates of both walls are equal."""
+    """Raise `InputError` unless the coordinates of both walls along one dimension are equal.
+
+    Numbers may differ by `_SAME_PLACE` of the spacing. Different lengths are not an error here.
+    """
     if above.shape != below.shape:
         return  # the shapes are compared later
     if above.dtype.kind not in "fiu" or below.dtype.kind not in "fiu":

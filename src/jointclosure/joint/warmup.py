@@ -42,7 +42,10 @@ from jointclosure.walls.synthesis import wall_pair
 
 
 def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[list[str]]:
-    """Return distinct scene, peaks, bound of strength, solver and breakage of models, as words."""
+    """Return the distinct kernels that models need, each as a list of words.
+
+    The words are those of scene, peaks, bound of strength, solver and breakage.
+    """
     distinct = {
         (scene_name(scene), choices.peaks, choices.strength_bound, given.solver, given.breakage)
         for scene, choices, given in settings
@@ -52,7 +55,10 @@ def kernels_of(settings: Iterable[tuple[Effects, Choices, Numerics]]) -> list[li
 
 @lru_cache(maxsize=None)
 def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: Any) -> None:
-    """Simulate a small joint to compile the kernels of an entry of `kernels_of`, or load them."""
+    """Compile the kernels of an entry of `kernels_of`, or load them, by simulating small joints.
+
+    A process does so once for each entry.
+    """
     effects = scene_of(scene)
     choices = Choices(peaks=peaks, strength_bound=bound)
     joint: dict[str, Any] = {"spacing": 0.25e-3, "rock": Rock(78e9, 0.2, 165e6), "effects": effects}
@@ -72,7 +78,7 @@ def compile_kernels(scene: str, peaks: Any, bound: Any, solver: Any, breakage: A
 
 
 def all_kernels() -> list[list[str]]:
-    """Return the entries of `kernels_of` that are shipped: those of all well-posed scenes."""
+    """Return the entries of `kernels_of` for all well-posed scenes, as they are shipped."""
     kernels = []
     for scene, peaks in product(map(scene_name, well_posed_scenes()), ("pristine", "current")):
         kernels.append([scene, peaks, "base", "reference", "fixed_step"])
@@ -84,7 +90,7 @@ def all_kernels() -> list[list[str]]:
 def prepare_kernels(models: Iterable[tuple[Effects, Choices, Numerics]], workers: int = 1) -> None:
     """Compile the kernels of models, or load them, before ``workers`` processes need them.
 
-    With several workers this process needs no kernel, and loads none of those that are shipped.
+    With several workers this process needs no kernel itself, and skips kernels that are shipped.
     """
     shipped = all_kernels() if workers > 1 and all_are_shipped() else []
     for kernel in kernels_of(models):
@@ -93,7 +99,10 @@ def prepare_kernels(models: Iterable[tuple[Effects, Choices, Numerics]], workers
 
 
 def compile_all(kernels: list[list[Any]], log: Callable[[str], None]) -> str:
-    """Compile kernels of `kernels_of`, or load them; return their list as text."""
+    """Compile the entries ``kernels`` of `kernels_of`, or load them; return their list as text.
+
+    ``log`` is told the folder, and compilations are announced on standard error.
+    """
     log(f"kernels are kept in {cache_folder()}")
     # the announcement of a compilation is for the user
     logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))

@@ -14,16 +14,17 @@ from jointclosure.parameters import Choices, Effects, Rock
 
 
 class ContactLaw(NamedTuple):
-    """Constants of every pair of cells, derived from rock, choices and grid.
+    """Constants of the contacts of all pairs of cells, derived from rock, choices and grid.
 
-    The arrays have eight entries, indexed by the state of the pair: 4 x (its rock was crushed
-    before this loading) + 2 x (upper cell is a soft peak) + (lower cell is a soft peak).
+    The arrays have eight entries, one for each state of a pair of cells. The index of a state is 4
+    x (its rock was crushed before this loading) + 2 x (the upper cell is a peak) + (the lower cell
+    is a peak).
     """
 
     spacing: float  # h [m]
     base_radius: float  # r [m]
-    least_curvature: float  # of a wall [1/m], the inverse of the largest radius; 0 without one
-    concave: float  # weight of the curvature of a concave profile: 1 as a convex one, or 0
+    least_curvature: float  # lower bound for a wall's cells [1/m]: 1 / largest radius, or 0
+    concave: float  # weight of a concave profile's curvature: 1 as for a convex one, or 0
     substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
     substrate: float  # compliance A [m/N], 0 without substrate
     asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
@@ -35,7 +36,10 @@ class ContactLaw(NamedTuple):
 def contact_law(
     spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
 ) -> ContactLaw:
-    """Compute the contact law of the rocks (upper, lower) on a grid of this spacing [m]."""
+    """Compute the contact law of the rocks (upper, lower) on a grid of a spacing [m].
+
+    The strength is that of the weaker wall.
+    """
     moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
     ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
     softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]

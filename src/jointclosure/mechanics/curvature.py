@@ -9,15 +9,15 @@ from jointclosure.compilation.kernels import kernel
 def gaussian_curvature(west, east, south, north, here, concave, spacing):
     """Compute the inverse of the Gaussian radius of an asperity [1/m], 1/R = sqrt(1/(Rx Ry)).
 
-    Heights are those of the four edge neighbours and of the cell [m]. ``concave`` is the weight of
-    a concave profile: 1 as a convex one of the same size, 0 as a straight one. The result is 0 if
-    either profile is straight, or counts as straight.
+    The heights [m] of a cell (``here``) and of its four edge neighbours make two profiles, along x
+    and along y, at a ``spacing`` [m]. ``concave`` is the weight of a concave profile: with 1 a
+    valley has the curvature of the mirrored peak (the choice "magnitude"), with 0 it counts as
+    straight ("flat"). The result is 0 if either profile is straight, or counts as straight.
 
-    Eqs. (1) and (2) in curvatures: those of the circles through three points in x
-    and y by Menger's formula, 4 area / (product of the sides). Both are under one root,
-    because this is the innermost operation of the breakage loop. A valley has the
-    curvature of the mirrored peak, times the weight of the choice ``concave``:
-    "magnitude" is 1 and "flat" 0 (docs/decisions.md#0002-curvature).
+    These are Eqs. (1) and (2), written with curvatures instead of radii. The curvature of a profile
+    is that of the circle through its three points by Menger's formula, 4 area / (product of the
+    sides). Both curvatures are under one root, because this is the innermost operation of the
+    breakage loop. See docs/decisions.md#0002-curvature.
     """
     area = spacing * spacing
     second_x = (west - here) + (east - here)

@@ -1,7 +1,7 @@
 """Distribution of the material of a broken asperity (Section 3 of the paper).
 
 The eight neighbours of a cell are in the order (-1,-1) (-1,0) (-1,1) (0,-1) (0,1) (1,-1) (1,0)
-(1,1) of (y, x) offsets. One outside the grid has infinite height, so that it receives no gouge.
+(1,1) of (y, x) offsets. Neighbours outside the grid have infinite height, and receive no gouge.
 These functions are for one pair of cells, as the reference solver calls them. The default solver
 has the same equations for batches of pairs in `jointclosure.solvers.pair_batch`.
 """
@@ -13,7 +13,10 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def upper_share(upper_curvature, lower_curvature):
-    """Compute the upper wall's share of a loss: (1/R_t) / (1/R_t + 1/R_b), 1/2 if both are flat."""
+    """Return the upper wall's share of a loss [1], (1/R_t) / (1/R_t + 1/R_b) from curvatures [1/m].
+
+    It is 1/2 if both walls are flat.
+    """
     total = upper_curvature + lower_curvature
     if total == 0.0:
         return 0.5
@@ -22,9 +25,12 @@ def upper_share(upper_curvature, lower_curvature):
 
 @kernel
 def passed_share(share, total_upper, total_lower):
-    """Return the upper wall's share, 0 or 1 if one wall's cell has no lower neighbour.
+    """Return the upper wall's share of a loss, corrected where a cell cannot pass gouge on.
 
-    ``total_upper`` and ``total_lower`` are the sums of the drops of both walls' cells [m].
+    ``share`` is the upper wall's share by curvature. ``total_upper`` and ``total_lower`` [m] are
+    the sums of the drops from the cell of each wall to its lower neighbours (`drops`). The result
+    is 0 if the upper sum is 0, also if both are, where the caller lets nothing break. It is 1 if
+    only the lower sum is 0.
     """
     if total_upper == 0.0:
         return 0.0
@@ -35,14 +41,17 @@ def passed_share(share, total_upper, total_lower):
 
 @kernel
 def fall(here, there, tie_tolerance):
-    """Return the drop [m] to a neighbour if it exceeds the tie tolerance [m], otherwise 0."""
+    """Return the drop [m] from a cell to a neighbour; 0 unless it exceeds the tie tolerance [m]."""
     drop = here - there
     return drop if drop > tie_tolerance else 0.0
 
 
 @kernel
 def is_above_any(height, neighbours, tie_tolerance):
-    """Return whether one of the neighbours (8,) [m] is lower, so that it can receive gouge."""
+    """Return whether a cell of ``height`` [m] has a lower neighbour, which can receive its gouge.
+
+    A neighbour (8,) [m] counts as lower if it is so by more than the tie tolerance [m].
+    """
     deepest = 0.0
     for k in range(8):
         deepest = max(deepest, fall(height, neighbours[k], tie_tolerance))
@@ -51,9 +60,10 @@ def is_above_any(height, neighbours, tie_tolerance):
 
 @kernel
 def drops(height, neighbours, tie_tolerance, out):
-    """Set ``out`` (8,) to the drops to lower neighbours [m], 0 for others; return sum and smallest.
+    """Set ``out`` (8,) to the drops [m] from a cell to its neighbours; return their sum and least.
 
-    The smallest is that of the lower neighbours, infinite if there are none.
+    A drop to a neighbour (8,) [m] that is not lower by more than the tie tolerance [m] is 0. The
+    least drop [m] is that of the lower neighbours, infinite if there are none.
     """
     least = math.inf
     for k in range(8):
@@ -65,11 +75,12 @@ def drops(height, neighbours, tie_tolerance, out):
 
 @kernel
 def shed(neighbours, loss, differences, total, least):
-    """Add the loss [m] of a cell to the heights of its neighbours (8,) [m], in place.
+    """Raise the neighbours (8,) [m] of a cell, in place, by the gouge that the cell loses.
 
-    Each receives a part in proportion to its drop in ``differences`` (8,) [m], whose sum is
-    ``total`` and whose smallest is ``least``. Return the loss, limited so that no neighbour is
-    raised above the lowered cell.
+    Return the loss [m], by which the caller lowers the cell. It is at most ``loss``, so that no
+    neighbour ends above the cell. Each neighbour rises in proportion to its drop below the cell.
+    ``differences`` (8,) [m], ``total`` > 0 [m] and ``least`` [m] are the drops, their sum and the
+    least one, as `drops` sets and returns them.
     """
     if loss * (total + least) > least * total:
         rate = least / (total + least)

@@ -9,14 +9,14 @@ from jointclosure.compilation.kernels import kernel
 def far_field_factor(ratio):
     """Compute the displacement by a Hertz pressure over that by a point force, E* pi zeta u / F.
 
-    The ratio is r/zeta, base radius over distance; the result 1 far away, 3 pi/8 at the rim.
+    ``ratio`` is r/zeta, the base radius over the distance, from 0 to 1. The result is 1 far away,
+    and 3 pi/8 at the rim of the loaded base.
 
-    Eqs. (17) and (18) (Johnson 1985, Eq. 3.42b) with Eqs. (19) and (20) are
-    the hypergeometric series 2F1(1/2, 1/2; 5/2; (r/zeta)^2). The printed form
-    subtracts nearly equal numbers far away, and the series has positive terms only.
-    Therefore the series is used up to r/zeta = 0.9 and the printed form above. There
-    1 - (r/zeta)^2 is written as a product, because near the rim its rounding would
-    cost three digits.
+    Eqs. (17) and (18) (Johnson 1985, Eq. 3.42b) with Eqs. (19) and (20) are the hypergeometric
+    series 2F1(1/2, 1/2; 5/2; (r/zeta)^2). The series is used up to r/zeta = 0.9, because all its
+    terms are positive, while the printed form subtracts nearly equal numbers far away. Beyond 0.9
+    the printed form is used, in which 1 - (r/zeta)^2 is written as a product, because near the rim
+    its rounding would cost three digits.
     """
     square = ratio * ratio
     if ratio > 0.9:
@@ -35,8 +35,10 @@ def far_field_factor(ratio):
 
 @kernel
 def interaction_displacement(distance, base_radius, equivalent_modulus):
-    """Compute the approach of both half-spaces per unit force [m/N], Eqs. (17) to (20).
+    """Compute the sum of both half-spaces' displacements per unit force [m/N], Eqs. (17) to (20).
 
-    The distance zeta [m] is at least the base radius r [m]; the modulus [Pa] is that of the rock.
+    It is the displacement at a distance zeta [m], at least the base radius r [m], from the centre
+    of the loaded base. ``equivalent_modulus`` is 1/(1/E_t* + 1/E_b*) [Pa] of the rock of both
+    walls.
     """
     return far_field_factor(base_radius / distance) / (math.pi * equivalent_modulus * distance)

@@ -61,7 +61,7 @@ _MARGIN = 2
 _APART = 3
 """Distance of the cells of one colour with fixed steps, which then share no neighbours."""
 _NEAR = 1e-9
-"""Relative distance of a pair's overlap from that at breakage below which the pair is checked. It
+"""Relative distance of a pair's overlap from that at breakage, below which the pair is checked. It
 is much more than the rounding of the overlap ratio, so that skipping pairs changes no result."""
 _ROUNDING = 1e-14
 """Rounding of an overlap, relative to the heights and the approach of which it is the sum."""
@@ -70,23 +70,26 @@ _MOST_PASSES = 4
 
 
 class Cells(NamedTuple):
-    """Fields of a grid as flat arrays with a margin, see `padded`."""
+    """Walls, approach and states of the pairs of a grid, as flat arrays with a margin.
+
+    See `padded`.
+    """
 
     upper: np.ndarray  # heights of the walls [m], infinite in the margin
     lower: np.ndarray
     approach: np.ndarray  # offset less interaction [m]; with both heights it gives the overlap
     kind: np.ndarray  # state of each pair, see `ContactLaw`
-    locked: np.ndarray  # whether a pair is beyond its strength, without a place for its gouge
-    stride: int  # cells from one row to the next
+    locked: np.ndarray  # whether a pair is beyond its strength, but has nowhere to shed its gouge
+    stride: int  # number of cells from one row to the next
 
 
 class Due(NamedTuple):
-    """Cells to examine at the end of each short step, as one list for each of these moments.
+    """Cells to examine at the end of each short step of breakage, in one list for each short step.
 
-    A moment is the number of a short step, 0 for none. The end of the whole step has no list. A
-    cell that becomes due at another moment is not removed from its former list, where it would have
-    to be searched. Of the entries of a cell in a list the latest counts, and only if the cell is
-    due at the moment of this list.
+    The end of a short step is a *moment*, given by the number of the step from 1 on; 0 stands for
+    no moment. The end of the last short step has no list. A cell that becomes due at another moment
+    is not removed from its former list, where it would have to be searched. Of the entries of a
+    cell in a list the latest counts, and only if the cell is due at the moment of this list.
     """
 
     moment: np.ndarray  # at which each cell is due, 0 for none
@@ -95,13 +98,13 @@ class Due(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """Cells that wait to be examined, in one list for each colour."""
+    """Cells that wait to be examined for breakage, in one list for each colour."""
 
     colour: np.ndarray  # of each cell
-    waits: np.ndarray  # 1 for a cell in a list, else 0; 1 in the margin, which is never added
+    waits: np.ndarray  # 1 for a cell in a list, else 0; 1 in the margin, never added to a list
     lists: np.ndarray  # cells (colours, most cells of a colour)
     counts: np.ndarray  # number of waiting cells of each colour
-    colour_beside: np.ndarray  # of the eight neighbours of the cells of each colour
+    colour_beside: np.ndarray  # colours of the neighbours of each colour (colours, 8)
 
 
 class WorkSpace(NamedTuple):
@@ -111,7 +114,7 @@ class WorkSpace(NamedTuple):
     turns: Turns
     holds_to: np.ndarray  # approach [m] up to which a cell's pair is known to hold, or -infinity
     following: np.ndarray  # new walls (2, cells) [m] of pairs that break together
-    taken: np.ndarray  # cells of the list in work, overwritten from the start by broken ones
+    taken: np.ndarray  # cells being examined, overwritten from the start by those that broke
     some: np.ndarray  # cells of the pairs in the batch
     batch: np.ndarray  # (1,), see `Batch`
 
@@ -131,7 +134,7 @@ def padded(field, outside):
 
 @kernel
 def unpad(flat, field):
-    """Copy a flat array with its margin back into a field (y, x)."""
+    """Set a field (y, x) to the values of a flat array with a margin (`padded`)."""
     ny, nx = field.shape
     stride = nx + 2 * _MARGIN
     for y in range(ny):
@@ -145,9 +148,10 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
     """Return the largest forces (n,) [N] that contacts at cells (n,) carry (resolved breakage).
 
     ``curvature`` (n,) [1/m] and ``compliance`` (n,) [m N^(-2/3)] are those of the contacts, the
-    other parameters those of `breakage_kernel`. The force is that at 1 + band/2 times the overlap
-    at breakage. It is infinite for contacts that do not break: flat ones without a bound of
-    strength, and with ``gouge`` those without a lower neighbour on either wall.
+    other parameters those of `breakage_kernel`; ``tie`` is its ``tie_tolerance``. The largest force
+    is that at 1 + band/2 times the overlap at breakage. It is infinite for contacts that do not
+    break: flat ones without a bound of strength, and with ``gouge`` those without a lower neighbour
+    on either wall.
     """
     nx = upper.shape[1]
     around = np.empty(8)
@@ -188,7 +192,10 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
 
 @kernel
 def colour_map(ny, nx, apart):
-    """Return the colours (y, x) of cells, which are ``apart`` cells apart in both directions."""
+    """Return the colours (y, x) of cells: cells of one colour are ``apart`` cells apart.
+
+    They are so in both directions, and there are ``apart`` squared colours.
+    """
     colours = np.empty((ny, nx), np.int64)
     for y in range(ny):
         for x in range(nx):
@@ -255,7 +262,7 @@ def work_space(shape: tuple[int, int], resolved: bool) -> WorkSpace:
 
 @kernel
 def forget(holds_to, cell, reach, stride):
-    """Set ``holds_to`` of the pairs within ``reach`` cells of a changed cell to unknown."""
+    """Set ``holds_to`` to -infinity, not known, within ``reach`` cells of a changed cell."""
     for row in range(-reach, reach + 1):
         for near in range(cell + row * stride - reach, cell + row * stride + reach + 1):
             holds_to[unsigned(near)] = -math.inf
@@ -263,7 +270,7 @@ def forget(holds_to, cell, reach, stride):
 
 @kernel
 def number_of_changes(one, other):
-    """Return how many values of two arrays (n,) differ."""
+    """Return at how many places the values of two arrays (n,) differ."""
     count = 0
     for i in range(one.size):
         count += one[i] != other[i]
@@ -274,7 +281,8 @@ def number_of_changes(one, other):
 def take_over(space, upper, lower, offset, interaction, peaks):
     """Copy the present walls, approach [m] and states of the pairs (y, x) to the work space.
 
-    No pair is then waiting or locked. ``holds_to`` is unknown around cells that have changed.
+    No pair is then waiting or locked. ``holds_to`` becomes unknown within one cell of a cell whose
+    wall or state has changed.
     """
     cells = space.cells
     waits = space.turns.waits
@@ -304,9 +312,11 @@ def take_over(space, upper, lower, offset, interaction, peaks):
 
 @kernel
 def note_holding(batch, n, looked_at, cells, holds_to):
-    """Set the approach [m] up to which the pairs (n,) that do not break now will hold.
+    """Set ``holds_to``, the approach [m] up to which the pairs (n,) that hold now will hold.
 
-    The overlap ratio is 1 where the overlap is overlap / ratio.
+    Pairs that break now, or do not overlap, are left out. The overlap ratio is 1 where the overlap
+    is overlap / ratio. The approach is a little smaller than it would be there (`_NEAR`), and is
+    infinite for a pair whose ratio is not positive.
     """
     for i in range(n):
         cell = unsigned(looked_at[i])
@@ -324,7 +334,7 @@ def note_holding(batch, n, looked_at, cells, holds_to):
 
 @kernel
 def let_wait(turns, cell):
-    """Make a cell wait that does not wait yet."""
+    """Add a cell, which must not be waiting yet, to the waiting cells of its colour."""
     colour = turns.colour[cell]
     turns.lists[colour, turns.counts[colour]] = cell
     turns.counts[colour] += 1
@@ -333,13 +343,16 @@ def let_wait(turns, cell):
 
 @kernel
 def overlaps(cells, cell):
-    """Return whether the walls of a cell overlap."""
+    """Return whether both walls of a cell overlap, at its present approach."""
     return cells.upper[cell] + cells.lower[cell] + cells.approach[cell] > 0.0
 
 
 @kernel
 def let_overlapping_wait(cells, turns, holds_to):
-    """Make all overlapping cells wait that are not known to hold; none may be waiting before."""
+    """Make all overlapping cells wait that are not known to hold (``holds_to``).
+
+    No cell may be waiting before.
+    """
     for cell in range(cells.upper.size):
         # one branch that is seldom taken, in place of two that are unpredictable
         if (cells.approach[cell] > holds_to[cell]) & overlaps(cells, cell):
@@ -348,16 +361,16 @@ def let_overlapping_wait(cells, turns, holds_to):
 
 @kernel
 def starts_to_wait(cells, turns, cell):
-    """Return 1 for a cell that overlaps and does not wait yet, else 0."""
+    """Return 1 for a cell that overlaps and is not waiting yet, else 0; nothing is changed."""
     return (1 - turns.waits[cell]) & overlaps(cells, cell)
 
 
 @kernel
 def let_neighbours_wait(cells, turns, broken, beside, colour):
-    """Make the neighbours of broken cells (n,) of a colour wait if they overlap.
+    """Make the neighbours of broken cells (n,) of a colour wait if their walls overlap.
 
-    Those that wait already are not listed again. All cells at one of the offsets ``beside`` those
-    of a colour have one colour, so that only one list grows at a time.
+    Neighbours that wait already are not listed again. All neighbours at one of the offsets
+    ``beside`` have one colour, so that only one list grows at a time.
     """
     for k in range(beside.size):
         offset = beside[k]
@@ -377,7 +390,7 @@ def let_neighbours_wait(cells, turns, broken, beside, colour):
 
 @kernel
 def no_cells_due(cells, short_steps):
-    """Return `Due` without cells, for a number of cells and of short steps."""
+    """Return an empty `Due` for ``cells``, a number of cells, and a number of short steps."""
     return Due(
         np.zeros(cells, np.int64),
         np.empty((short_steps, 2 * cells), np.int64),
@@ -387,7 +400,10 @@ def no_cells_due(cells, short_steps):
 
 @kernel
 def remove_old_entries(due, moment):
-    """Keep of each cell that is due at a moment its latest entry, and no other entries."""
+    """Keep of each cell that is due at a moment its latest entry in the list of the moment.
+
+    All other entries of this list are removed.
+    """
     entries = due.lists[moment]
     first = entries.size  # of those that are kept, which are collected at the end of the list
     for k in range(due.counts[moment] - 1, -1, -1):
@@ -406,7 +422,7 @@ def remove_old_entries(due, moment):
 
 @kernel
 def listed_moment(due, moment):
-    """Return a moment if a list of `Due` belongs to it, else 0, as for the end of the whole step.
+    """Return a moment if `Due` has a list for it, else 0, as for the end of the last short step.
 
     A cell whose moment is 0 is due at no moment.
     """
@@ -431,7 +447,10 @@ def set_due(due, cell, moment):
 
 @kernel
 def let_due_wait(due, moment, turns):
-    """Move the cells due at a moment to the waiting ones, those of the last entry first."""
+    """Move the cells that are due at a moment to the waiting cells, the latest entry first.
+
+    They are then due at no moment, and the list of the moment is empty.
+    """
     for k in range(due.counts[moment] - 1, -1, -1):
         cell = due.lists[moment, k]
         if due.moment[cell] == moment:
@@ -445,8 +464,8 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
     """Set the moments at which pairs (n,) that hold now will exceed the overlap ratio ``allowed``.
 
     The walls are assumed to stay as they are. The overlap grows evenly, by ``growth`` (cells) [m]
-    over the whole step, and the overlap ratio with it. A pair that does not exceed it before the
-    end of the step is due at no moment. Pairs that break now are left alone.
+    over the whole step, and the overlap ratio with it. A pair that does not exceed ``allowed``
+    before the end of the step is due at no moment. Pairs that break now are left alone.
     """
     last = due.counts.size  # the moment at the end of the step
     for i in range(n):
@@ -466,7 +485,10 @@ def foresee(batch, n, looked_at, growth, due, moment, allowed):
 
 @kernel
 def let_ring_be_due(cells, due, broken, ring, moment):
-    """Examine the cells two away from broken cells (n,) at the next moment, if they overlap."""
+    """Make the overlapping cells two cells away from broken cells (n,) due at the next moment.
+
+    In the last short step, whose end has no list, they are due at no moment.
+    """
     following = listed_moment(due, moment + 1)
     for cell in broken:
         for offset in ring:
@@ -478,7 +500,7 @@ def let_ring_be_due(cells, due, broken, ring, moment):
 
 @kernel
 def set_laws(batch, n, some, kind, law):
-    """Set the strength of the pairs at cells ``some`` (n,), which depends on their states."""
+    """Set the strength of the pairs at cells ``some`` (n,) in a batch, by the states ``kind``."""
     for i in range(n):
         state = unsigned(kind[unsigned(some[i])])
         batch.critical_indentation[i] = law.critical_indentation[state]
@@ -488,7 +510,7 @@ def set_laws(batch, n, some, kind, law):
 
 @kernel
 def find_peaks(batch, n, some, kind):
-    """Set the states ``kind`` of the pairs from the peaks of the current walls."""
+    """Set the states ``kind`` of the pairs at cells ``some`` (n,) from their present heights."""
     around = np.empty(8)
     for i in range(n):
         state = 0
@@ -501,9 +523,9 @@ def find_peaks(batch, n, some, kind):
 
 @kernel
 def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
-    """Copy the cells (n,) whose pairs break to ``overstressed``, and return their number.
+    """Set ``overstressed`` to the examined cells (n,) whose pairs break; return their number.
 
-    What is known of these pairs becomes the first part of the batch, except for their heights. None
+    The assessments of these pairs become the first part of the batch, but not their heights. None
     of the examined cells waits or is locked any more.
     """
     m = 0
@@ -520,10 +542,11 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
 
 @kernel
 def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside, colour):
-    """Write broken pairs of a colour back to the walls; their overlapping neighbours then wait.
+    """Write broken pairs of a colour back to the walls, and make their overlapping neighbours wait.
 
-    They wait themselves if any pair of the batch is ``still_breaking``. Their cells become the
-    first of ``some`` (n,).
+    The broken cells wait too if any pair of the batch is ``still_breaking``. They become the first
+    of ``some`` (n,). What was known of how far pairs within two cells hold (``holds_to``) is
+    forgotten.
     """
     m = 0
     for i in range(n):
@@ -541,10 +564,11 @@ def write_back(batch, n, some, still_breaking, cells, turns, holds_to, beside, c
 
 @kernel
 def add_changes_of_walls(batch, i, cell, cells, walls, broken, count):
-    """Add what pair i has changed to the new walls (2, cells), and list its cell as broken.
+    """Add what pair i has changed to ``walls`` (2, cells) [m], and append its cell to ``broken``.
 
-    Return the number of broken cells. Changes are added because pairs that break together may share
-    neighbours.
+    ``walls`` are the new walls. Changes are added because pairs that break together may share
+    neighbours. Return ``count``, the number of broken cells so far. A pair without breakage steps
+    changes nothing.
     """
     if batch.steps[i] == 0.0:
         return count
@@ -559,9 +583,10 @@ def add_changes_of_walls(batch, i, cell, cells, walls, broken, count):
 
 @kernel
 def take_out_resting(batch, n, some, cells, walls, broken, count):
-    """Take pairs that break no more out of the batch, and add what they changed to the new walls.
+    """Take pairs that break no more out of the batch, and add what they changed to ``walls``.
 
-    Return how many pairs are left in the batch, and how many cells are listed as broken.
+    ``walls`` (2, cells) [m] are the new walls. Return how many pairs are left in the batch, whose
+    cells become the first of ``some``, and how many cells are listed in ``broken``.
     """
     i = 0
     while i < n:
@@ -578,9 +603,10 @@ def take_out_resting(batch, n, some, cells, walls, broken, count):
 
 @kernel
 def write_together(walls, broken, cells, turns, around):
-    """Copy the new walls around broken cells (n,) to the walls; those cells that overlap wait.
+    """Copy the new walls around broken cells (n,) to the walls, and make overlapping cells wait.
 
-    Pairs that break together have one colour.
+    The cells that may wait are the broken ones and their neighbours. Pairs that break together have
+    one colour.
     """
     for cell in broken:
         for offset in around:
@@ -601,10 +627,10 @@ def write_together(walls, broken, cells, turns, around):
 
 @kernel
 def neighbour_offsets(stride):
-    """Return the offsets of cells around a cell in a flat array with rows of ``stride`` cells.
+    """Return offsets from a cell to cells around it in a flat array with rows of ``stride`` cells.
 
-    They are those of its eight neighbours, of these and the cell itself, and of the sixteen cells
-    two away from it.
+    They are three arrays: to its eight neighbours, to these and the cell itself, and to the sixteen
+    cells that are two cells away.
     """
     up = stride
     down = -stride

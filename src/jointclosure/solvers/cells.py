@@ -15,7 +15,7 @@ from jointclosure.mechanics.curvature import gaussian_curvature
 
 @kernel
 def neighbourhood(heights, y, x, out):
-    """Copy the heights of a cell's eight neighbours to ``out`` (8,), infinite outside the grid."""
+    """Set ``out`` (8,) [m] to the heights of a cell's neighbours, infinite outside the grid."""
     ny, nx = heights.shape
     if 0 < y < ny - 1 and 0 < x < nx - 1:
         for i in range(3):
@@ -35,19 +35,25 @@ def neighbourhood(heights, y, x, out):
 
 @kernel
 def wall_curvature(here, west, east, south, north, least_curvature, concave, spacing):
-    """Compute the Gaussian curvature of a wall's cell from its neighbours' heights [1/m]."""
+    """Compute the Gaussian curvature 1/R [1/m] of a wall's cell from its neighbours' heights [m].
+
+    An infinite height stands for a neighbour outside the grid, and is replaced by the opposite
+    neighbour's height. The curvature is at least ``least_curvature`` [1/m], and equal to it if the
+    grid has a single cell along y or x. ``concave`` and ``spacing`` [m] are as in
+    `gaussian_curvature`.
+    """
     left = east if west == math.inf else west
     right = west if east == math.inf else east
     below = north if south == math.inf else south
     above = south if north == math.inf else north
     curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
-    # with a single cell in a direction it is NaN, and counts as that of a straight profile
+    # with a single cell in a direction the curvature is NaN, and the profile counts as straight
     return curvature if curvature > least_curvature else least_curvature
 
 
 @kernel
 def curvature_among(here, neighbours, law):
-    """Compute `wall_curvature` of a cell from the heights of its `neighbourhood` (8,) [1/m]."""
+    """Compute the `wall_curvature` [1/m] of a cell from its height and `neighbourhood` (8,) [m]."""
     south = neighbours[1]
     west = neighbours[3]
     east = neighbours[4]
@@ -59,19 +65,20 @@ def curvature_among(here, neighbours, law):
 
 @kernel
 def row_of(cell, inverse):
-    """Return the row of a cell, given by flat index in rows of 1 / ``inverse`` cells.
+    """Return the row of a cell, given by flat index, in a grid with rows of 1 / ``inverse`` cells.
 
-    It is computed in floating point, since the division of integers is slow; the half of a cell is
-    much more than its rounding.
+    It is computed in floating point, since the division of integers is slow. The half that is added
+    to the index is much more than the rounding.
     """
     return int((cell + 0.5) * inverse)
 
 
 @kernel
 def profiles(heights, cells, out):
-    """Copy the heights of cells (n,) and of their neighbours west, east, south and north [m].
+    """Set the rows of ``out`` (5, n) to heights of cells (n,) and of their edge neighbours [m].
 
-    They become the rows of ``out`` (5, n), infinite outside the grid of ``heights`` (y, x).
+    The rows are the cells and their neighbours west, east, south and north, which are infinite
+    outside the grid of ``heights`` (y, x) [m]. Cells are given by flat index.
     """
     ny, nx = heights.shape
     flat = heights.ravel()
@@ -89,12 +96,12 @@ def profiles(heights, cells, out):
 
 @kernel
 def curvatures_at(heights, cells, law):
-    """Compute `wall_curvature` of cells (n,) of a wall (y, x), given by flat index [1/m]."""
+    """Compute the `wall_curvature` [1/m] at cells (n,), given by flat index, of a wall (y, x)."""
     n = cells.size
     curvature = np.empty(n)
     profile = np.empty((5, n))
     profiles(heights, cells, profile)
-    # apart from the copying, so that it is vector code
+    # apart from the copying, so that it becomes vector code
     for i in range(n):
         curvature[i] = wall_curvature(
             profile[0, i],
@@ -111,7 +118,10 @@ def curvatures_at(heights, cells, law):
 
 @kernel
 def is_peak(height, neighbours):
-    """Return whether a cell is strictly higher than all its neighbours in the grid."""
+    """Return whether a cell is strictly higher than all its neighbours (8,) in the grid.
+
+    Infinite neighbours are outside the grid, and left out. A cell without neighbours is no peak.
+    """
     count = 0
     for k in range(8):
         if neighbours[k] != math.inf:
@@ -123,7 +133,7 @@ def is_peak(height, neighbours):
 
 @kernel
 def peak_map(upper, lower):
-    """Return the state of every pair: 2 x (upper is a peak) + (lower is one), int64 (y, x)."""
+    """Return the states (y, x) of pairs of cells: 2 x (upper is a peak) + (lower is a peak)."""
     ny, nx = upper.shape
     state = np.empty((ny, nx), np.int64)
     around = np.empty(8)
@@ -138,10 +148,12 @@ def peak_map(upper, lower):
 
 @kernel
 def overlapping_cells(upper, lower, offset, peaks, law):
-    """Find the cells whose walls overlap before any interaction, with their contacts.
+    """Find the cells at which two walls overlap without interaction, with their contacts.
 
-    ``offset`` [m] is added to the sum of both heights, ``peaks`` (y, x) are the states of pairs.
-    Return flat indices, overlaps [m], curvatures [1/m] and compliances B [m N^(-2/3)], all (n,).
+    ``upper`` and ``lower`` are heights (y, x) [m]. ``offset`` [m], the closure from first touch, is
+    added to their sum. ``peaks`` (y, x) are the states of the pairs of cells (`ContactLaw`). Return
+    flat indices, overlaps [m], summed curvatures of both walls [1/m] and compliances B [m
+    N^(-2/3)], all (n,).
     """
     ny, nx = upper.shape
     cells = np.empty(ny * nx, np.int64)

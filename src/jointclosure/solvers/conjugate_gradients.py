@@ -19,9 +19,9 @@ from jointclosure.solvers.interaction_operator import (
 )
 from jointclosure.solvers.products import inner, symmetric_inverse, symmetric_times
 
-MOST_CONJUGATE_GRADIENT_STEPS = 1000  # of one Newton direction, which then is what was reached
+MOST_CONJUGATE_GRADIENT_STEPS = 1000  # products of one Newton direction, which ends there
 _FEWEST_CONTACTS = 100
-"""Smallest number of contacts for patches; with fewer, plain steps are cheaper."""
+"""Number of contacts from which there is a preconditioner; with fewer, plain steps are cheaper."""
 
 
 @large_kernel
@@ -31,34 +31,37 @@ def newton_direction(
     """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 
     It differs from the textbook's conjugate gradients with a preconditioner in four ways. The
-    unknowns are scaled: in y = sqrt(D) d the system is I + W K W, W = D^(-1/2). A ``shortfall`` [N]
-    of the total force, if given, is the sum of d, so that y lies in a plane: residual and
-    preconditioned residual are projected on this plane, and the shift is the Lagrange multiplier of
-    the condition. Products with K are in single precision, which limits the residual. Their sum is
-    the displacement K d, which is added to ``displacement`` (see `Iterate.field`) without another
-    product. The iteration also ends when the product of residual and preconditioned residual is no
-    longer positive, where only rounding is left.
+    unknowns are scaled: with y = sqrt(D) d the system is I + W K W, W = D^(-1/2). If a
+    ``shortfall`` [N] of the total force is given, the sum of d is equal to it, so that y lies in a
+    plane: residual and preconditioned residual are projected on this plane, and the shift is the
+    Lagrange multiplier of this condition. Products with K are in single precision, which limits the
+    residual. The displacement K d, summed from these products, is added to ``displacement`` in
+    place, without another product. The iteration also ends when the product of residual and
+    preconditioned residual is no longer positive, where only rounding is left, and after
+    `MOST_CONJUGATE_GRADIENT_STEPS` products.
 
     Parameters
     ----------
     influence, matrix, cells
-        Interaction, as a convolution or a matrix, and the cells (n,) of the contacts.
+        Interaction K [m/N], as a convolution or a matrix, and the cells (n,) of the contacts.
     space : CoarseSpace
         Preconditioner.
     step, secant
-        Step (n,) [N] of each contact alone, and secant compliance (n,) [m/N], infinite if open.
+        Step (n,) [N] that each contact would take alone, and its secant compliance (n,) [m/N],
+        infinite if it is open.
     shortfall
         Missing total force [N], NaN if the shift is given.
     tolerance
-        Largest norm of the residual of y over that at the start.
+        Norm of the residual in y over that at the start, at which the iteration ends.
     displacement
-        Interaction [m] of the present forces.
+        Displacements [m] by the present forces, as `Iterate.field`; changed in place.
 
     Returns
     -------
-    The direction d (n,) [N], the shift [m], and the number of products.
+    The direction d (n,) [N], 0 for open contacts, the change of the shift [m], 0 if the shift is
+    given, and the number of products.
     """
-    # most cells that overlap are out of contact
+    # most cells that overlap without interaction are out of contact with it
     active = np.arange(step.size) if matrix.size > 0 else np.flatnonzero(secant < np.inf)
     n = active.size
     cells = cells[active]
@@ -114,13 +117,17 @@ def newton_direction(
 
 @kernel
 def scaled_steps(step, secant):
-    """Return weights W = D^(-1/2) (n,) and scaled steps W^-1 step (n,), 0 for open contacts."""
+    """Return weights W = D^(-1/2) (n,) of contacts, and their scaled steps (n,), step / W.
+
+    D is the secant compliance (n,) [m/N] of each contact, ``step`` (n,) [N] its step alone. Both
+    results are 0 for open contacts, which have an infinite D.
+    """
     weight = np.empty(step.size)
     scaled = np.empty(step.size)
     for i in range(step.size):
         of_contact = 1.0 / np.sqrt(secant[i])
         step_of_contact = step[i] / of_contact
-        # selections and not branches, so that this is vector code
+        # selections and not branches, so that this becomes vector code
         touches = secant[i] < np.inf
         weight[i] = of_contact if touches else 0.0
         scaled[i] = step_of_contact if touches else 0.0
@@ -128,25 +135,26 @@ def scaled_steps(step, secant):
 
 
 class CoarseSpace(NamedTuple):
-    """Preconditioner of conjugate gradients: a system between patches of cells.
+    """Preconditioner of conjugate gradients: a system of equations between patches of cells.
 
-    It differs from the textbook's two-level methods: coarse functions are constant overlaps of the
-    contacts of a patch, there is no smoothing, as conjugate gradients remove the rest, and the
-    coarse system is not made of the matrix but of the mean influence between whole patches. It
-    stays a preconditioner when contacts and stiffnesses change; contacts in new patches have no
-    share.
+    It differs from the textbook's two-level methods in three ways. The coarse functions are
+    constant overlaps of the contacts of a patch. There is no smoothing, as conjugate gradients
+    remove the rest. The coarse system is made not of the influence matrix of the contacts but of
+    the mean influence between whole patches. It can still be used when contacts and stiffnesses
+    have changed; contacts in patches that had no contact when it was made are then not
+    preconditioned.
     """
 
-    number: np.ndarray  # of each patch of the grid (p,) in the system, -1 without contact
+    number: np.ndarray  # of each patch of the grid (p,) in the system; -1: not in it
     inverse: np.ndarray  # of the system between the patches (c, c)
 
 
 class Shares(NamedTuple):
-    """Coarse functions Z at the m contacts that are in a patch of the coarse space."""
+    """Values of the coarse functions Z of a `CoarseSpace` at the m contacts in its patches."""
 
-    contact: np.ndarray  # index of the contact (m,)
-    patch: np.ndarray  # its patch (m,)
-    share: np.ndarray  # value of the patch's function, of norm 1 over the patch (m,)
+    contact: np.ndarray  # index of the contact among all contacts (m,)
+    patch: np.ndarray  # number (m,) of the contact's patch in the system
+    share: np.ndarray  # value of the patch's function at the contact (m,), of norm 1 per patch
 
 
 NO_COARSE_SPACE = CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
@@ -155,11 +163,15 @@ NO_COARSE_SPACE = CoarseSpace(np.empty(0, np.int64), np.empty((0, 0)))
 
 @large_kernel
 def coarse_space(influence: Influence, cells, stiffness):
-    """Make patches of contacts, and the inverse of the system between them.
+    """Return the preconditioner of contacts: their patches, and the inverse of their system.
 
-    In y = d / sqrt(k) the system is A = I + W K W, W = sqrt(k). With z_P = W 1_P / sqrt(s_P), s_P
-    the stiffness of a patch, Z^T A Z is I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two
-    patches, which is approximated by the mean over all their cells instead of their contacts.
+    ``cells`` (n,) are the cells of the contacts, ``stiffness`` (n,) [N/m] is 0 for an open contact,
+    which is left out. There are no patches for fewer than `_FEWEST_CONTACTS` cells, or for the
+    influence of `dense_influence`. In y = d / sqrt(k), with the stiffness k, the system of all
+    contacts is A = I + W K W, W = sqrt(k). The coarse function of a patch P is z_P = W 1_P /
+    sqrt(s_P), with the sum s_P of the stiffnesses in the patch. Z^T A Z is then I + sqrt(s_P s_Q)
+    K_PQ, with the mean influence K_PQ between the contacts of two patches. It is approximated by
+    the mean over all cells of both patches.
     """
     n = cells.size
     if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:
@@ -192,9 +204,11 @@ def coarse_space(influence: Influence, cells, stiffness):
 
 @kernel
 def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
-    """Return the `Shares` of the contacts in the patches of the preconditioner's coarse space.
+    """Return the `Shares` of contacts in the patches of a preconditioner.
 
-    A share is the weight W of a contact over the norm of all weights in its patch of cells.
+    ``cells`` (n,) are the cells of the contacts, ``weight`` (n,) their weights W of `scaled_steps`.
+    The share of a contact is its weight over the norm of all weights in its patch. Open contacts,
+    of weight 0, and contacts in patches that are not in the system are left out.
     """
     n = weight.size
     count = space.inverse.shape[0]
@@ -220,7 +234,11 @@ def patch_shares(space: CoarseSpace, influence: Influence, cells, weight):
 
 @kernel
 def precondition(space: CoarseSpace, shares: Shares, residual):
-    """Multiply a residual (n,) by (I + Z (E^-1 - I) Z^T), E the patches' system."""
+    """Return the preconditioned residual (n,) of contacts, (I + Z (E^-1 - I) Z^T) residual.
+
+    E is the system between the patches, Z the coarse functions in ``shares``. Without patches it is
+    a copy of the residual.
+    """
     answer = residual.copy()
     count = space.inverse.shape[0]
     if count == 0:

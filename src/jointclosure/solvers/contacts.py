@@ -24,7 +24,7 @@ class Contacts(NamedTuple):
     """Contacts that may carry force, in the symbols of `jointclosure.solvers.equilibrium`."""
 
     cells: np.ndarray  # flat index (n,)
-    overlap: np.ndarray  # g (n,) [m], without interaction
+    overlap: np.ndarray  # g (n,) [m], without interaction; negative where the walls are apart
     compliance: np.ndarray  # B of the asperities (n,) [m N^(-2/3)]
     limit: np.ndarray  # C, largest force (n,) [N]
     substrate: float  # compliance A [m/N]
@@ -32,10 +32,12 @@ class Contacts(NamedTuple):
 
 @large_kernel
 def contact_roots(contacts, overlap, guess):
-    """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none.
+    """Compute F^(1/3) (n,) of contacts at overlaps (n,) [m], starting from guesses of it (n,).
 
-    Newton's method is as in `force_of_overlap`, but each step is done for all contacts at once, so
-    that steps are vector code. A root that is found is kept.
+    A guess of 0 stands for none. The root is 0 where the overlap is not positive; the limits of the
+    forces are not applied. Newton's method is as in `force_of_overlap`, but each step is done for
+    all contacts at once, so that steps become vector code. A root that is found does not change any
+    more.
     """
     n = overlap.size
     substrate = contacts.substrate
@@ -55,8 +57,8 @@ def contact_roots(contacts, overlap, guess):
     bound = np.empty(m)
     left = np.empty(m)
     for k in range(m):
-        bound[k], near = bound_by_guess(sought[k], substrate, compliance[k], start[k])
-        left[k] = 1.0 if near else 0.0
+        bound[k], is_bound = bound_by_guess(sought[k], substrate, compliance[k], start[k])
+        left[k] = 1.0 if is_bound else 0.0
     for k in range(m):
         if left[k] == 0.0:
             bound[k], exact = bound_by_terms(sought[k], substrate, compliance[k])
@@ -78,16 +80,18 @@ def contact_roots(contacts, overlap, guess):
 
 @kernel
 def contact_response(contacts, shift, elastic_displacement, force, answer, secant):
-    """Set answers G = min(C, psi(g + D - K F)) (n,) [N] to forces F, and secants (n,) [m/N].
+    """Set ``answer`` (n,) [N] to G = min(C, psi(g + D - K F)), and ``secant`` (n,) [m/N].
 
-    ``shift`` is D [m], ``elastic_displacement`` K F (n,) [m]. A secant is the change of a contact's
-    overlap over that of its force, from F to G. For equal forces it is the tangent, and infinite
-    for an open contact. Return sum |F - G| and sum G [N].
+    The answers G are the forces that the contacts would carry at the overlaps that the forces F
+    (n,) [N] leave. ``shift`` is D [m], ``elastic_displacement`` is K F (n,) [m]. A secant is the
+    change of the overlap of the contact law over the change of force, from F to G. Where F and G
+    are equal it is the tangent, which is infinite for a contact that is open or at its limit.
+    Return sum |F - G| and sum G [N].
     """
     n = force.size
     substrate = contacts.substrate
     overlaps = contacts.overlap + shift - elastic_displacement
-    # selections and not branches, so that loops are vector code
+    # selections and not branches, so that loops become vector code
     present_root = np.empty(n)
     for i in range(n):
         root = cube_root(force[i])
@@ -119,7 +123,10 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
 
 @kernel
 def energy(contacts, shift, elastic_displacement, force):
-    """Compute the energy that equilibrium minimises [J], with K F as ``elastic_displacement``."""
+    """Compute the energy [J] of contacts under forces F (n,) [N], which equilibrium minimises.
+
+    ``shift`` is D [m], ``elastic_displacement`` is K F (n,) [m], see `solvers.equilibrium`.
+    """
     total = 0.0
     for i in range(force.size):
         root = cube_root(force[i])
@@ -130,9 +137,10 @@ def energy(contacts, shift, elastic_displacement, force):
 
 @kernel
 def coordinate_sweep(table, contacts, shift, force):
-    """Minimise the energy exactly contact by contact, in one pass and in place (Gauss-Seidel).
+    """Minimise the energy of contacts exactly one by one, in one pass over forces (n,) [N].
 
-    Return the largest relative change of a force.
+    The forces are changed in place (Gauss-Seidel). ``table`` is `Influence.table` [m/N], ``shift``
+    is D [m]. Return the largest relative change of a force, infinite if one falls to 0.
     """
     nx = table.shape[1]
     cells = contacts.cells
@@ -155,7 +163,10 @@ def coordinate_sweep(table, contacts, shift, force):
 
 @kernel
 def separate_equilibrium(contacts, shift):
-    """Compute forces (n,) [N] of contacts that do not interact."""
+    """Compute forces (n,) [N] of contacts that do not interact, at a shift D [m].
+
+    No force exceeds its limit.
+    """
     overlap = contacts.overlap + shift
     root = contact_roots(contacts, overlap, np.zeros(overlap.size))
     return np.minimum(root * root * root, contacts.limit)
@@ -163,11 +174,12 @@ def separate_equilibrium(contacts, shift):
 
 @kernel
 def separate_shift(contacts, target):
-    """Compute the shift D [m] at which contacts without interaction or limit carry a force [N].
+    """Compute the shift D [m] at which contacts (n,), n > 0, carry a total force ``target`` [N].
 
-    Newton's method for the total force, which increases with the shift, within a bracket: where a
-    step leaves it, the bracket is halved instead. The start is the shift at which the tallest
-    contact alone carries the force.
+    Interaction and the limits of the forces are left out. It is found by Newton's method for the
+    total force, which increases with the shift, within a bracket: where a step leaves it, the
+    bracket is halved instead. The start is the shift at which the tallest contact alone carries the
+    force. If a rigid contact can carry any force, the result is the shift at which it touches.
     """
     tallest = 0
     for i in range(1, contacts.overlap.size):
@@ -211,9 +223,9 @@ def unlimited(cells, overlap, compliance, substrate):
 
 @kernel
 def contacts_among(contacts, slot, cells):
-    """Return contacts (n,) extended to cells (m,); ``slot`` (n,) are their indices among these.
+    """Return contacts (n,) extended to more cells (m,), among which they have the indices ``slot``.
 
-    Cells that are not in contact have a negative overlap.
+    The other cells get an overlap of -1 m, and are therefore not in contact.
     """
     overlap = np.full(cells.size, -1.0)
     compliance = np.ones(cells.size)
@@ -227,9 +239,10 @@ def contacts_among(contacts, slot, cells):
 
 @kernel
 def start_forces(force, cells, overlap):
-    """Return the values of ``force`` (y, x) [N] at cells (n,).
+    """Return the forces (n,) [N] at cells (n,) of a field ``force`` (y, x) [N], none negative.
 
-    A negative force, and that of a cell whose walls are apart, is 0.
+    A negative force counts as 0, and so does any force of a cell whose ``overlap`` (n,) [m] is not
+    positive, where the walls are apart.
     """
     start = np.empty(cells.size)
     flat = force.ravel()
@@ -241,9 +254,10 @@ def start_forces(force, cells, overlap):
 
 @kernel
 def usable_start(force, field):
-    """Return a guess of forces (n,) [N], 0 where negative or not finite, and its interaction [m].
+    """Return starting forces (n,) [N] that are usable, and their interaction ``field`` (y, x) [m].
 
-    The interaction is ``field`` (y, x), or has no rows if it is not finite or a force was replaced.
+    A given force that is negative or not finite is replaced by 0. If any force was replaced, or a
+    value of the field is not finite, the returned field has no rows.
     """
     usable = np.empty(force.size)
     changed = 0
@@ -259,7 +273,10 @@ def usable_start(force, field):
 
 @kernel
 def are_sound(contacts):
-    """Return whether overlaps and compliances are finite, and no limit is negative or NaN."""
+    """Return whether all overlaps and compliances of contacts are finite, and no limit is wrong.
+
+    A limit is wrong if it is negative or NaN.
+    """
     sound = np.isfinite(contacts.substrate)
     for i in range(contacts.overlap.size):
         finite = np.isfinite(contacts.overlap[i]) and np.isfinite(contacts.compliance[i])

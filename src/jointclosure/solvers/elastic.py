@@ -17,28 +17,33 @@ from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-8
 """Relative residual of the forces, even if `Numerics.force_tolerance` is larger."""
-_UNKNOWN = np.empty((0, 0))  # in place of displacements that are not known
-_FIRST_CANDIDATES = 48  # cells that are candidates at first, until a closure exceeds their reach
+_UNKNOWN = np.empty((0, 0))  # in place of a field of displacements that was not computed
+_FIRST_CANDIDATES = 48  # number of candidates at first, until a closure exceeds their reach
 _FEW = 0.1
-"""Share of `dense_limit` up to which all candidates are in the working set."""
+"""Number of candidates over `dense_limit`, up to which all of them are solved for at once."""
 
 
 class _Point(NamedTuple):
-    """Solved point of the elastic curve, or the guess of one, whose forces may be negative."""
+    """State of an elastic joint at one total force, solved or guessed.
 
-    force: np.ndarray  # of all cells (n,) [N]
-    gap: np.ndarray  # overlap less interaction (n,) [m], or an upper bound of it; NaN if unknown
-    field: np.ndarray  # displacements (y, x) [m] by the forces, empty if they are not known
+    The forces of a guess may be negative.
+    """
+
+    force: np.ndarray  # of all cells of the grid (n,) [N]
+    gap: np.ndarray  # overlap less interaction (n,) [m], or an upper bound; NaN if not computed
+    field: np.ndarray  # displacements (y, x) [m] by the forces; empty if not computed
     closure: float  # [m]
     target: float  # total force [N]
 
 
 class _Candidates:
-    """Cells that may be in contact up to the closure ``reach`` [m], and their mutual influence.
+    """Cells of an elastic joint that may be in contact up to the closure ``reach`` [m].
 
-    Equilibrium is solved for a *working set* of these cells. It differs from the textbook's active
-    set: all cells that come into contact are added at once, and none is taken out, as the law of a
-    contact itself sets the force of an open one to 0.
+    They are the cells that overlap at this closure, and their influence on each other. Equilibrium
+    is solved for a *working set* of these candidates. It differs from the textbook's active set:
+    all candidates that come into contact are added at once, and none is taken out, because the
+    contact law itself gives an open contact a force of 0. Few candidates (`_FEW`) are all solved
+    for at once.
     """
 
     def __init__(self, joint: Joint, reach: float):
@@ -57,9 +62,12 @@ class _Candidates:
             self.matrix = influence_matrix(table, cells[: cells.size if self.few else 0])
 
     def solve(self, guess: _Point, target: float) -> tuple[Equilibrium, np.ndarray]:
-        """Solve equilibrium at a total force [N]; return it and the gap [m] of the candidates.
+        """Return the equilibrium of the candidates (n,) at a total force [N], and their gaps (n,).
 
-        The iteration starts from ``guess``. Gaps (n,) are as in `_Point`.
+        The `shift` of the equilibrium is the closure [m]. If it exceeds `reach`, other cells may be
+        in contact, and the caller must repeat with new candidates. Gaps [m] are as in `_Point`; all
+        are NaN if the candidates are few or if there is no interaction. The iteration starts from
+        ``guess``, which is for all cells of the grid; `guess.field` is changed in place.
         """
         cells = self.contacts.cells
         closure = min(guess.closure, self.reach)
@@ -85,7 +93,12 @@ class _Candidates:
         matrix: np.ndarray | None,
         field: np.ndarray,
     ) -> Equilibrium:
-        """Solve for contacts from forces (n,) [N]; ``field`` (y, x) [m] is empty or theirs."""
+        """Solve the equilibrium of contacts (n,) at a total force [N] from starting forces (n,).
+
+        ``matrix`` is their influence matrix, empty for a convolution, or None without interaction.
+        ``field`` (y, x) [m] has the displacements by the starting forces, or is empty. The
+        preconditioner of the solution is kept in the joint for the next equilibrium.
+        """
         joint = self.joint
         solution = solve_equilibrium(
             self.influence, contacts, force, target, self.tolerance, matrix,
@@ -102,11 +115,16 @@ class _Candidates:
         target: float,
         field: np.ndarray,
     ) -> tuple[Equilibrium, np.ndarray]:
-        """Solve for the cells ``inside`` (n,), adding others that overlap until none does.
+        """Solve the equilibrium of the candidates in the working set ``inside`` (n,), a mask.
 
-        ``field`` (y, x) [m] is empty or that of the forces. Only a convolution uses it.
+        Candidates outside of it that would overlap are added, in place, and the equilibrium is
+        solved again until none would. If the working set is empty, or too large for an influence
+        matrix, all candidates are solved for with a convolution instead, which alone uses
+        ``field``: the displacements (y, x) [m] by the starting ``force`` (n,) [N], or empty. Return
+        the equilibrium, with the forces of all candidates and the effort of all solutions, and the
+        gaps (n,) [m] of `_Point`.
         """
-        near = self.joint.recent_contacts
+        recent = self.joint.recent_contacts
         newton_steps = 0
         products = 0
         while True:
@@ -116,18 +134,18 @@ class _Candidates:
                 solution = self._equilibrium(start, force, target, self.matrix, field)
                 gap = start.overlap + solution.shift - solution.interaction
                 break
-            slot = near.slots(some.cells)
+            slot = recent.slots(some.cells)
             guess = np.zeros(contacts.cells.size)
             guess[slot] = force[inside]
             solution = self._equilibrium(contacts, guess, target, matrix, _UNKNOWN)
-            field = _UNKNOWN  # the forces are others now
+            field = _UNKNOWN  # the forces have changed
             newton_steps += solution.newton_steps
             products += solution.products
             force = np.zeros(start.cells.size)
             force[inside] = solution.force[slot]
             gap = start.overlap + solution.shift
             others = np.flatnonzero(~inside & (gap > 0.0))
-            gap[others] -= near.displacement_at(start.cells[others], solution.force)
+            gap[others] -= recent.displacement_at(start.cells[others], solution.force)
             gap[inside] -= solution.interaction[slot]
             solution = solution._replace(force=force, newton_steps=0, products=0)
             missed = others[gap[others] > 0.0]
@@ -142,7 +160,8 @@ class _Candidates:
 def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
     """Return the states of an elastic joint at total forces (t,) [N], each by one solution.
 
-    The list ends with the first state that did not converge. The joint has the forces of the last.
+    The list ends with the first state that did not converge. The forces of the joint, but not its
+    interaction, are changed to those of the last state.
     """
     candidates = _Candidates(joint, _closure_of_overlaps(joint, _FIRST_CANDIDATES))
     solved: list[_Point] = []
@@ -167,12 +186,12 @@ def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
 
 
 def _open_state(size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return forces of 0 (n,), as of cells without contact, and gaps of NaN (n,)."""
+    """Return forces (n,) [N] of 0 and gaps (n,) [m] of NaN, as of cells that are not in contact."""
     return np.zeros(size), np.full(size, np.nan)
 
 
 def _closure_of_overlaps(joint: Joint, count: int) -> float:
-    """Return the closure [m] at which about ``count`` cells overlap, at least one."""
+    """Return a closure [m] at which at least ``count`` cells overlap, or all if there are fewer."""
     summed = (joint.upper + joint.lower).ravel()
     rank = max(summed.size - count, 0)
     reach = joint.first_touch - float(np.partition(summed, rank)[rank])
@@ -180,9 +199,12 @@ def _closure_of_overlaps(joint: Joint, count: int) -> float:
 
 
 def _starting_point(solved: list[_Point], target: float, contacts: Contacts, size: int) -> _Point:
-    """Return a starting point for a total force [N], extrapolated from the last two solved points.
+    """Return a guess of the state of an elastic joint at a total force ``target`` [N].
 
-    Without one it is the solution without interaction.
+    It is extrapolated linearly from the last two solved states. After a single one its forces are
+    scaled by the ratio of the total forces, and its closure by the root of this ratio. Before the
+    first one, it is the solution without interaction, for the candidates ``contacts`` in a grid of
+    ``size`` cells.
     """
     if not solved:
         force, gap = _open_state(size)
@@ -206,7 +228,10 @@ def _starting_point(solved: list[_Point], target: float, contacts: Contacts, siz
 
 
 def _described_solution(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
-    """Return a solution as the state of a joint at rest, as `Joint.describe` does."""
+    """Return an equilibrium of the candidates as a state at rest, like `Joint.describe`.
+
+    Its mean overlap is NaN if a contact is rigid, which has an infinite force.
+    """
     total = float(solution.force.sum())
     outcome = (
         Outcome.CONVERGED if solution.residual <= candidates.tolerance else Outcome.NOT_CONVERGED

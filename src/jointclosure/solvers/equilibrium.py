@@ -24,8 +24,8 @@ from jointclosure.solvers.contacts import (
 from jointclosure.solvers.interaction_operator import Influence, dense_limit, influence_matrix
 from jointclosure.solvers.newton import ROUNDING, Equilibrium, interacting_equilibrium
 
-_MOST_DOUBLINGS = 200  # of the width in which a shift is searched; chosen
-_NOTHING = np.empty((0, 0))  # in place of a matrix or a field that is not known
+_MOST_DOUBLINGS = 200  # of the bracket of a shift; chosen
+_NOTHING = np.empty((0, 0))  # in place of a matrix or a field that is not given
 
 
 def solve_equilibrium(
@@ -40,27 +40,33 @@ def solve_equilibrium(
 ) -> Equilibrium:
     """Solve the equilibrium of forces at the overlapping cells.
 
+    If Newton's method does not find it from the starting forces, it is repeated from forces of 0.
+    If it is then not found at a given total force, the shift is bracketed.
+
     Parameters
     ----------
     influence, matrix
         Interaction, None without it, and its matrix (n, n) [m/N], or a larger one that begins with
-        it. By default the matrix is computed if there are few contacts.
+        it. By default the matrix is computed if there are at most `dense_limit` contacts, and a
+        convolution is used for more.
     contacts, start
         Contacts (n,), and forces (n,) [N] from which the iteration starts.
     target
-        Total force [N], NaN if the shift is given.
+        Total force [N]; NaN if the shift is given, which then is 0.
     tolerance
         Largest `Equilibrium.residual`.
     field
-        Interaction (y, x) [m] of the forces at the start, if it is known. It is not needed with a
-        matrix.
+        Interaction (y, x) [m] of the forces at the start, if the caller has it. It is not needed
+        with a matrix.
     space
         Preconditioner of an equilibrium of similar contacts.
 
     Returns
     -------
     The equilibrium. Its residual exceeds the tolerance if it was not found, is infinite if a
-    contact is rigid, and NaN if the problem has no finite solution.
+    contact is rigid, and is NaN if the problem has no finite solution: a contact is not sound
+    (`are_sound`), or the total force is infinite or not positive. Otherwise the residual is at
+    least `ROUNDING`, or 0 without contacts.
     """
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
@@ -94,7 +100,11 @@ def solve_equilibrium(
 
 
 def _separate_solution(contacts: Contacts, target: float) -> Equilibrium:
-    """Solve the equilibrium of contacts without interaction, and the shift if a target is given."""
+    """Solve the equilibrium of contacts without interaction, and the shift for a target [N].
+
+    The residual is the relative error of the total force, 0 without a target, and infinite if a
+    force is. Without contacts a target is not used, and shift and residual are 0.
+    """
     given = math.isnan(target) or contacts.cells.size == 0
     shift = 0.0 if given else separate_shift(contacts, target)
     force = separate_equilibrium(contacts, shift)
@@ -109,18 +119,19 @@ def _separate_solution(contacts: Contacts, target: float) -> Equilibrium:
 def _direct_solution(
     force: np.ndarray, interaction: np.ndarray, shift: float, residual: float
 ) -> Equilibrium:
-    """Return forces (n,) [N] that were found without Newton's method or products."""
+    """Return as equilibrium forces (n,) [N] that were found without Newton's method or products."""
     return Equilibrium(force, interaction, _NOTHING, shift, residual, 0, 0, NO_COARSE_SPACE)
 
 
 def _solve_by_bracketing(
     influence, matrix, contacts, target, tolerance, start: Equilibrium
 ) -> Equilibrium:
-    """Solve for the shift as a root of the total force, which increases with the shift.
+    """Solve for the shift at which the contacts carry a total force ``target`` [N], by bracketing.
 
-    The bracket starts at the first contact, and is doubled until the total force is too large.
-    Brent's method finds the root; every evaluation is an equilibrium at a given shift. ``start`` is
-    the best solution so far. The residual is NaN if there is no bracket.
+    The total force increases with the shift. The bracket starts at the first contact, and is
+    doubled until the total force is too large. Brent's method finds the root; every evaluation is
+    an equilibrium at a given shift. ``start`` is the best solution so far. The residual is NaN if
+    there is no bracket.
     """
     best = start
     steps = start.newton_steps
@@ -129,7 +140,10 @@ def _solve_by_bracketing(
         best = start._replace(force=np.zeros(start.force.size))
 
     def excess_at(shift: float) -> float:
-        """Return the total force less the target [N] at a shift [m], starting from `best`."""
+        """Return the total force less the target [N] at a shift [m], and keep its solution.
+
+        The iteration starts from the forces of `best`, which the solution then replaces.
+        """
         nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         solution = interacting_equilibrium(

@@ -6,9 +6,10 @@ Rounds are repeated until an equilibrium breaks nothing. An approximate solution
 breaks next, so that the residual is reduced in *stages*: first `PROVISIONAL_TOLERANCES`, then the
 required one.
 
-If nothing can break, the first round is one equilibrium. With fixed steps it is breakage at the
-extrapolated interaction; if nothing breaks, the joint opens, or all contacts are known to hold
-(`Joint.held_to`), the forces are extrapolated too.
+Without breakage there is one round, an equilibrium. With fixed steps the first round extrapolates
+forces and interaction, breaks pairs at the extrapolated interaction, and solves for the forces,
+provisionally if a pair broke. Where no breakage is expected, because the joint opens or is closed
+no further than its contacts hold (`Joint.held_to`), pairs are first checked at the solved forces.
 
 With resolved breakage the step is first walked through in `SHORT_STEPS` short steps in which only
 breakage acts, with the interaction extrapolated by its rate: breakage is local and needs short
@@ -46,9 +47,10 @@ class FastSolver:
     elastic_curve = staticmethod(elastic_curve)
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; return the state reached.
+        """Bring the joint to rest at a closure [m], in place, and return the state reached.
 
-        Fixed steps of breakage are ``breakage_step`` [m].
+        Its walls, forces, interaction, closure and their rates are changed. Fixed steps of breakage
+        lower a pair of cells by ``breakage_step`` [m].
         """
         asked = finest = joint.numerics.force_tolerance
         before = joint.interaction.copy(), joint.force.copy()
@@ -81,10 +83,10 @@ class FastSolver:
     def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
         """Return the total force [N] at a closure [m] before anything breaks, and the effort.
 
-        The equilibrium is solved to this ``residual``, but to no smaller one than the required
-        one. The force is infinite if none was found. With resolved breakage no contact exceeds its
-        strength. Walls, forces and interaction of the joint stay as they are; its rates and the
-        memory of the solver change.
+        The equilibrium is solved to this ``residual``, but to no smaller one than the required one.
+        The force is infinite if none was found. With resolved breakage no contact exceeds its
+        strength. Walls, forces and interaction of the joint stay as they are. Its rates of force
+        and interaction become those of the predicted step, and the memory of the solver changes.
         """
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()
@@ -101,14 +103,18 @@ class FastSolver:
 
 
 class _GivenUp(Exception):
-    """Raised if a joint does not come to rest, with the outcome that states the reason."""
+    """Raised if a joint does not come to rest; ``outcome`` is the reason."""
 
     def __init__(self, outcome: Outcome):
         self.outcome = outcome
 
 
 class _PathToRest:
-    """Joint on its way to rest at a closure [m], with the effort so far."""
+    """Joint on its way to rest at a closure [m], with the effort so far.
+
+    All methods change the joint in place. Those that break pairs or solve for forces raise
+    `_GivenUp` if this does not succeed.
+    """
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
         self.joint = joint
@@ -117,20 +123,24 @@ class _PathToRest:
         self.locked = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf  # residual of the present forces
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
-        self._interaction_known = True  # whether that of the joint is the interaction of its forces
+        self._interaction_known = True  # whether the joint's interaction is that of its forces
         # valid until breakage changes the walls
         self._overlapping: tuple | None = None
         self._may_carry: Contacts | None = None
 
     def described(self, outcome: Outcome) -> Settled:
-        """Describe the present state of the joint."""
+        """Return the present state of the joint with an outcome, as `Joint.describe` does."""
         effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
         if self._overlapping is None:
             self._overlapping = self.joint.overlapping(self.closure)
         return self.joint.describe(self.closure, outcome, self.locked, effort, self._overlapping)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
-        """Do the first round with fixed breakage steps, ``step`` [m] after the last closure."""
+        """Do the first round with fixed breakage steps, ``step`` [m] after the last closure.
+
+        ``asked`` is the required residual. If nothing breaks before the forces are solved for, they
+        are solved to it, else to the first one of the stages.
+        """
         # the interaction of the step before is too small on closing, and too much would break
         self.extrapolate(step)
         # otherwise breakage is checked after the forces are solved
@@ -138,7 +148,11 @@ class _PathToRest:
         self.solve(_stage_tolerances(asked)[0] if may_break and self.break_to_rest() > 0 else asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
-        """Do the first round of resolved breakage along a step [m]; return the total force [N]."""
+        """Do the first round of resolved breakage along a ``step`` [m]; return the total force [N].
+
+        ``asked`` is the required residual, used if nothing can break, or else the first one of the
+        stages.
+        """
         self.extrapolate(step)
         may_break = step > 0.0 and self.closure > self.joint.held_to
         if may_break:
@@ -146,13 +160,16 @@ class _PathToRest:
         return float(self.solve(_stage_tolerances(asked)[0] if may_break else asked).force.sum())
 
     def extrapolate(self, step: float) -> None:
-        """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
+        """Extrapolate the joint's forces and interaction by their rates, over a ``step`` [m]."""
         joint = self.joint
         follow_rates(joint.interaction, joint.interaction_rate, joint.force, joint.force_rate, step)
         self._interaction_known = False
 
     def alternate(self, asked: float) -> None:
-        """Repeat rounds until an equilibrium with the required residual breaks nothing."""
+        """Break pairs and solve for forces in turn, until an equilibrium breaks nothing.
+
+        Its residual is at most ``asked``.
+        """
         stages = _stage_tolerances(asked)
         stage = 0
         while True:
@@ -163,7 +180,10 @@ class _PathToRest:
             self.solve(stages[stage])
 
     def tighten(self, finer: float) -> None:
-        """Solve to a smaller residual than before, and break what exceeds its strength."""
+        """Solve to a smaller residual ``finer`` than before, and break what exceeds its strength.
+
+        Raise `_GivenUp` if the residual is below what rounding allows.
+        """
         if not finer >= ROUNDING:
             raise _GivenUp(Outcome.NOT_CONVERGED)
         self.solve(finer)
@@ -171,17 +191,21 @@ class _PathToRest:
             self.alternate(finer)
 
     def break_to_rest(self) -> int:
-        """Break pairs at the present interaction until rest; return the breakage steps."""
+        """Break pairs at the present interaction until rest; return the number of steps."""
         return self._break(_NO_GROWTH, 1)
 
     def break_in_short_steps(self, step: float) -> None:
-        """Break pairs along a step [m] to the present closure, at the extrapolated interaction."""
+        """Break pairs along a ``step`` [m] that ends at the closure of the path, in `SHORT_STEPS`.
+
+        The joint's interaction is extrapolated to the end of the step, and grows by its rate.
+        """
         self._break(step * (1.0 - self.joint.interaction_rate), SHORT_STEPS)
 
     def _break(self, growth: np.ndarray, short_steps: int) -> int:
-        """Break pairs while the approach grows by ``growth`` (y, x) [m] in short steps.
+        """Break pairs while the approach grows by ``growth`` (y, x) [m] in a number of short steps.
 
-        Return the number of breakage steps.
+        Return the number of breakage steps. With one short step the growth is not used, and may be
+        empty. Raise `_GivenUp` after `Numerics.most_breakage_steps`.
         """
         joint = self.joint
         choices = joint.choices
@@ -215,7 +239,12 @@ class _PathToRest:
         return steps
 
     def solve(self, tolerance: float) -> Equilibrium:
-        """Solve equilibrium at the present walls to a residual, and set forces and interaction."""
+        """Solve the equilibrium at the present walls to a residual, and set forces and interaction.
+
+        The interaction is set at the contacts, and at all cells if breakage is resolved or if the
+        equilibrium was solved by a convolution. Raise `_GivenUp` if the residual is not reached, or
+        after `MOST_ROUNDS`.
+        """
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(Outcome.NOT_AT_REST)
         joint = self.joint
@@ -250,7 +279,10 @@ class _PathToRest:
         return answer
 
     def _is_clear_of_strength(self) -> bool:
-        """Return whether no contact is near its strength: a finer solution breaks nothing."""
+        """Return whether no contact is near its strength, so that a finer solution breaks nothing.
+
+        With fixed steps, whose contacts have no limit, it is always False.
+        """
         if not _is_resolved(self.joint):
             return False
         contacts = self._contacts()
@@ -258,7 +290,10 @@ class _PathToRest:
         return not bool((force > _CLEAR_OF_STRENGTH * contacts.limit).any())
 
     def _contacts(self) -> Contacts:
-        """Return the contacts; with resolved breakage their force is limited by their strength."""
+        """Return the contacts at the present walls; they are kept until breakage changes the walls.
+
+        With resolved breakage their forces are limited by their strength.
+        """
         joint = self.joint
         if self._may_carry is None:
             self._overlapping = joint.overlapping(self.closure)
@@ -282,12 +317,16 @@ class _PathToRest:
 
 
 def _stage_tolerances(asked: float) -> tuple[float, ...]:
-    """Return the residuals of the stages; the last is the required one."""
+    """Return the residuals of the stages of a solution; the last is ``asked``, the required one."""
     return (*(rough for rough in PROVISIONAL_TOLERANCES if rough > asked), asked)
 
 
 def _store_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
-    """Store rates of interaction and force per closure, to extrapolate the next step."""
+    """Store in the joint the rates of interaction and force per closure over a ``step`` [m].
+
+    ``before`` are interaction (y, x) [m] and forces (y, x) [N] before the step. They serve to
+    extrapolate the next step; rates of interaction are cut to the range from 0 to 1.
+    """
     interaction, force = before
     set_rates(joint.interaction_rate, joint.interaction, interaction, step)
     np.clip(joint.interaction_rate, 0.0, 1.0, out=joint.interaction_rate)
@@ -296,7 +335,10 @@ def _store_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: floa
 
 @kernel
 def set_rates(rate, field, former, step):
-    """Set the rates (y, x) of a field per closure, ``step`` [m] after its former values (y, x)."""
+    """Set ``rate`` (y, x) to the change of a field (y, x) over a ``step`` [m] of closure.
+
+    ``former`` (y, x) are the values of the field before the step.
+    """
     for y in range(field.shape[0]):
         for x in range(field.shape[1]):
             rate[y, x] = (field[y, x] - former[y, x]) / step
@@ -315,10 +357,13 @@ def follow_rates(interaction, interaction_rate, force, force_rate, step):
 
 
 def _is_resolved(joint: Joint) -> bool:
-    """Return whether breakage is resolved."""
+    """Return whether the joint has resolved breakage, not fixed breakage steps."""
     return joint.numerics.breakage == "resolved"
 
 
 def _strength_band(joint: Joint) -> float:
-    """Return the width of the band about its strength in which a contact is at rest."""
+    """Return the width of the band of overlap ratios, about 1, in which a contact is at rest.
+
+    It applies to resolved breakage.
+    """
     return float(BAND * joint.numerics.tolerance)

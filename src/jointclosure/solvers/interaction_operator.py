@@ -1,6 +1,7 @@
 """Interaction of all contacts of a grid: a convolution, Eqs. (17) to (20).
 
-Kernels call `numpy.fft` through rocket-fft, which makes it available in Numba.
+Kernels call `numpy.fft` through rocket-fft, which makes these functions available in Numba. In this
+module a cell is given by its flat index, y nx + x, in a grid (ny, nx).
 """
 
 import math
@@ -18,42 +19,46 @@ LARGEST_DENSE = 3000
 """Number of contacts of the largest dense matrix, 72 MB: on 512 x 512 cells a convolution is faster
 for more (benchmarks/solver_speed.py)."""
 FEW_FORCES = 16
-"""Number of forces up to which their displacements are added one by one without a transform."""
+"""Number of forces up to which their displacements are added one by one, not by a convolution."""
 _PATCH = 7  # least number of cells along a patch of the preconditioner
 _PATCHES_ACROSS = 20  # number of patches along a large grid, whose patches are larger
 
 
 class SingleInfluence(NamedTuple):
-    """The interaction in single precision, with its work space as in `Influence`."""
+    """Interaction of a grid in single precision, with its own work space as in `Influence`."""
 
     unit: float  # [m/N], a power of 2 that keeps values within the range of single precision
-    spectrum: np.ndarray  # of the influence over the unit
+    spectrum: np.ndarray  # transform of the influence, divided by the unit
     padded: np.ndarray
     field: np.ndarray
     wave: np.ndarray
 
 
 class Influence(NamedTuple):
-    """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
+    """Interaction on a grid of (ny, nx) cells: displacements by unit forces [m/N].
 
-    The grid is padded to (rows, columns), at least 2 ny - 1 and 2 nx - 1, so that a convolution has
+    A convolution pads the grid to (rows, columns), at least 2 ny - 1 and 2 nx - 1, so that it has
     no periodic images.
     """
 
-    table: np.ndarray  # (ny, nx) by distance in cells; 0 at distance 0, the substrate's term
-    spectrum: np.ndarray  # its transform (columns // 2 + 1, rows), real as the table is symmetric
+    table: np.ndarray  # (ny, nx) by distance in cells; 0 at distance 0: see `ContactLaw.substrate`
+    spectrum: np.ndarray  # transform of the table (columns // 2 + 1, rows), real by its symmetry
     padded: np.ndarray  # work space: forces (ny, columns)
     field: np.ndarray  # work space: displacements (ny, columns)
     wave: np.ndarray  # work space: transform of the forces, of the shape of the spectrum
     patch: int  # cells along a patch of the preconditioner
-    patch_table: np.ndarray  # mean influence by distance in patches
-    patch_of: np.ndarray  # patch of each cell (ny * nx,)
+    patch_table: np.ndarray  # mean influence [m/N] by distance in patches, of their rows, columns
+    patch_of: np.ndarray  # patch of each cell (ny * nx,), a flat index in ``patch_table``
     single: SingleInfluence
 
 
 @kernel
 def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
-    """Compute displacements per unit force [m/N] at distances of (y, x) cells; 0 at distance 0."""
+    """Compute the influence (ny, nx) of a cell [m/N] by distance in cells, Eqs. (17) to (20).
+
+    The influence is the displacement per unit force. It is 0 at distance 0, where the compliance of
+    the substrates is part of the contact law. Lengths are in m, the modulus in Pa.
+    """
     table = np.zeros((ny, nx))
     for y in range(ny):
         for x in range(nx):
@@ -65,10 +70,12 @@ def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
 
 @kernel
 def influence_by_place(table):
-    """Return the influence [m/N] by the difference of two places, as a flat array, and its middle.
+    """Return the influence [m/N] by the difference of two places, a flat array, and its middle.
 
-    Places (`places`) number the cells of rows of 2 nx - 1 cells, so that the difference of two
-    places determines their distance along y and x. The middle is the index of a difference of 0.
+    A place (`places`) is the number of a cell in rows of 2 nx - 1 cells, so that the difference of
+    two places determines the distance of the cells along y and along x. ``table`` (ny, nx) is
+    `Influence.table`. The influence between two places is the entry at the middle plus their
+    difference.
     """
     ny, nx = table.shape
     stride = 2 * nx - 1
@@ -81,7 +88,7 @@ def influence_by_place(table):
 
 @kernel
 def places(cells, nx):
-    """Return the places y (2 nx - 1) + x (n,) of cells (n,), given by flat index y nx + x."""
+    """Return the places y (2 nx - 1) + x of cells (n,), numbers in rows of 2 nx - 1 cells."""
     place = np.empty(cells.size, np.int64)
     for i in range(cells.size):
         y, x = divmod(cells[i], nx)
@@ -91,7 +98,7 @@ def places(cells, nx):
 
 @kernel
 def padded_places(cells, nx, columns):
-    """Return the flat indices (n,) of cells in an array whose rows are padded to ``columns``.
+    """Return the flat indices of cells (n,) in an array whose rows are padded to ``columns``.
 
     The cells are given by flat index in rows of ``nx`` cells.
     """
@@ -104,9 +111,11 @@ def padded_places(cells, nx, columns):
 
 @kernel
 def fill_influence(matrix, wide, middle, place, known):
-    """Fill in influences [m/N] between cells at places (n,) in the first n rows of a matrix.
+    """Fill in the influences [m/N] between cells in the first n rows and columns of a matrix.
 
-    Those between the first ``known`` cells are there already.
+    ``place`` (n,) are the places of the cells, ``wide`` and ``middle`` are from
+    `influence_by_place`. The influences between the first ``known`` cells are in the matrix
+    already.
     """
     n = place.size
     for i in range(known):
@@ -123,7 +132,7 @@ def fill_influence(matrix, wide, middle, place, known):
 
 @kernel
 def influence_matrix(table, cells):
-    """Compute the dense influence matrix (n, n) [m/N] between cells given by flat index."""
+    """Compute the dense influence matrix (n, n) [m/N] between cells (n,) of a grid."""
     matrix = np.empty((cells.size, cells.size))
     if cells.size == 0:
         return matrix
@@ -134,7 +143,12 @@ def influence_matrix(table, cells):
 
 @kernel
 def displacement_between(wide, middle, place, sources, force):
-    """Compute displacements (m,) [m] at places (m,) by forces (n,) [N] at ``sources``."""
+    """Compute displacements (m,) [m] at some places by forces (n,) [N] at other places.
+
+    ``place`` (m,) are the places of the displaced cells, ``sources`` (n,) those of the forces
+    (`places`); ``wide`` and ``middle`` are from `influence_by_place`. Forces that are not positive
+    are left out, and a force does not displace its own place.
+    """
     answer = np.zeros(place.size)
     for j in range(sources.size):
         if force[j] > 0.0:
@@ -145,11 +159,11 @@ def displacement_between(wide, middle, place, sources, force):
 
 
 class RecentContacts:
-    """Cells (n,) that overlapped recently, by flat index, and the influence matrix between them.
+    """Cells (n,) that overlapped recently, and the influence matrix between them.
 
-    Nearly the same cells overlap from round to round, so that only rows and columns of new cells
-    are computed. If more than a quarter of the cells do not overlap any more, the matrix is started
-    again. ``matrix`` (m, m), m >= n, is filled in the first n rows and columns.
+    Nearly the same cells overlap from round to round, so that only the rows and columns of new
+    cells are computed. If less than four fifths of the cells overlap now, cells and matrix are
+    started again. ``matrix`` (m, m) [m/N], m >= n, is filled in its first n rows and columns.
     """
 
     def __init__(self, table: np.ndarray):
@@ -161,7 +175,11 @@ class RecentContacts:
         self.matrix = np.empty((0, 0))
 
     def slots(self, cells: np.ndarray) -> np.ndarray:
-        """Return the indices of the given cells (k,) in `cells`, after adding new ones."""
+        """Return the indices (k,) of overlapping cells (k,) in `cells`, after adding new ones.
+
+        If `cells` would then have more than 1.25 k entries, it is started again with the given
+        cells alone, and indices from earlier calls are no longer valid.
+        """
         slot = self._slot[cells]
         new = cells[slot < 0]
         if self.cells.size + new.size > 1.25 * cells.size:
@@ -174,12 +192,18 @@ class RecentContacts:
         return slot
 
     def displacement_at(self, cells: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """Compute displacements (k,) [m] at other cells (k,) by forces (n,) [N] at `cells`."""
+        """Compute displacements (k,) [m] at cells (k,) by forces (n,) [N] at the recent contacts.
+
+        Forces that are not positive are left out.
+        """
         place = places(cells, self._table.shape[1])
         return displacement_between(self._wide, self._middle, place, self._place, force)
 
     def _add(self, new: np.ndarray) -> None:
-        """Add rows and columns of new cells (k,) to the matrix, which has room for more."""
+        """Add rows and columns of new cells (k,) to the matrix of the recent contacts.
+
+        If it has too few, a larger matrix takes its place.
+        """
         known = self.cells.size
         n = self.cells.size + new.size
         self._slot[new] = np.arange(known, n)
@@ -195,7 +219,12 @@ class RecentContacts:
 
 @kernel
 def patch_influence(table, side):
-    """Compute mean influence [m/N] between patches of side x side cells, by distance in patches."""
+    """Compute the mean influence [m/N] between square patches, by distance in patches (y, x).
+
+    A patch has ``side`` x ``side`` cells, ``table`` (ny, nx) is `Influence.table`. A patch that
+    reaches over the edge of the grid counts as whole; distances beyond the table count as its
+    largest.
+    """
     ny, nx = table.shape
     means = np.zeros(((ny + side - 1) // side, (nx + side - 1) // side))
     for p in range(means.shape[0]):
@@ -212,8 +241,8 @@ def patch_influence(table, side):
 def convolve(padded, spectrum, wave, field):
     """Set ``field`` (ny, columns) to the convolution of ``padded`` (ny, columns) with an influence.
 
-    ``spectrum`` is the transform of the influence, ``wave`` work space of its shape. All arrays are
-    in single, or all in double precision.
+    ``spectrum`` is the transform of the influence, ``wave`` work space of its shape, which is
+    overwritten. All arrays are in single, or all in double precision.
     """
     ny = padded.shape[0]
     inside = wave[:, :ny].T
@@ -231,7 +260,10 @@ def convolve(padded, spectrum, wave, field):
 
 @kernel
 def set_interaction_field(influence, force):
-    """Set `Influence.field` to displacements [m] by forces (y, x) [N], Eqs. (17), (18) summed."""
+    """Set `Influence.field` to the displacements [m] by forces (y, x) [N], Eqs. (17), (18) summed.
+
+    The displacements of the cells are in its first nx columns.
+    """
     for y in range(force.shape[0]):
         assign(influence.padded[y], force[y])
     convolve(influence.padded, influence.spectrum, influence.wave, influence.field)
@@ -239,7 +271,10 @@ def set_interaction_field(influence, force):
 
 @kernel
 def interaction_field(influence, force):
-    """Compute displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed."""
+    """Compute displacements (y, x) [m] of cells by forces (y, x) [N], Eqs. (17) and (18) summed.
+
+    `Influence.field` is overwritten.
+    """
     set_interaction_field(influence, force)
     return influence.field[:, : force.shape[1]].copy()
 
@@ -248,7 +283,9 @@ def interaction_field(influence, force):
 def interaction_product(influence, matrix, cells, values, force):
     """Compute displacements (n,) [m] at cells (n,) by forces ``values`` (n,) [N] at the same cells.
 
-    It uses the matrix unless that is empty. ``force`` (y, x) is work space, 0 at all other cells.
+    It uses the matrix, unless that is empty. Otherwise it uses a convolution: the values are
+    written to ``force`` (y, x) [N], which must be 0 at all other cells, and `Influence.field` gets
+    the displacements of all cells.
     """
     if matrix.size > 0:
         return symmetric_times(matrix, values)
@@ -266,10 +303,11 @@ def interaction_product(influence, matrix, cells, values, force):
 
 @large_kernel
 def single_product(influence, matrix, cells, values):
-    """Compute displacements (n,) [m] as `interaction_product`, in single precision.
+    """Compute displacements (n,) [m] at cells by forces at the same cells, in single precision.
 
-    Without a matrix `SingleInfluence.field` becomes the displacements of all cells, in the unit [m]
-    that is returned too. With a matrix all is in double precision.
+    The parameters are those of `interaction_product`. Return the displacements and a unit. With a
+    matrix, which is in double precision, the unit is 1. Without one, the unit is in m, and
+    `SingleInfluence.field` gets the displacements of all cells divided by it.
     """
     if matrix.size > 0:
         return symmetric_times(matrix, values), 1.0
@@ -295,9 +333,11 @@ def single_product(influence, matrix, cells, values):
 
 @kernel
 def add_scaled_displacements(influence, matrix, part, product, unit, displacement):
-    """Add a multiple ``part`` of the last `single_product` to displacements [m].
+    """Add the displacements of the last `single_product`, times ``part``, to ``displacement`` [m].
 
-    ``product`` and ``unit`` are what it returned; displacements are those of `Iterate.field`.
+    ``product`` and ``unit`` are what `single_product` returned for this ``influence`` and
+    ``matrix``. ``displacement`` is as `Iterate.field`: (1, n) with a matrix, else (y, x); it is
+    changed in place.
     """
     if matrix.size > 0:
         for i in range(product.size):
@@ -313,9 +353,11 @@ def add_scaled_displacements(influence, matrix, part, product, unit, displacemen
 
 @large_kernel
 def add_displacements(influence, matrix, cells, force, displacement):
-    """Add the displacements [m] by forces (n,) [N], most of them 0, to those of `Iterate.field`.
+    """Add the displacements by forces (n,) [N] at cells (n,) to ``displacement`` [m], in place.
 
-    Few forces are added one by one, many by a convolution. Return whether there was a convolution.
+    ``displacement`` is as `Iterate.field`: (1, n) with a matrix, else (y, x). Most of the forces
+    are 0. Without a matrix up to `FEW_FORCES` others are added one by one, more by a convolution in
+    single precision. Return whether there was a convolution.
     """
     acting = np.flatnonzero(force)
     if matrix.size > 0:
@@ -345,9 +387,10 @@ def add_displacements(influence, matrix, cells, force, displacement):
 
 @large_kernel
 def add_changes_of_force(influence, cells, start, force, interaction):
-    """Change ``interaction`` (y, x) [m] from that of ``force`` (y, x) [N] to that of new forces.
+    """Change ``interaction`` (y, x) [m], in place, as if ``start`` took the place of ``force``.
 
-    The new forces are ``start`` (n,) [N] at the cells (n,), and 0 elsewhere.
+    It has the displacements by ``force`` (y, x) [N] before, and afterwards those by the forces
+    ``start`` (n,) [N] at the cells (n,) and 0 elsewhere. ``force`` itself is not changed.
     """
     change = -force.ravel()
     for i in range(cells.size):
@@ -357,17 +400,20 @@ def add_changes_of_force(influence, cells, start, force, interaction):
 
 
 def mean_displacement(table: np.ndarray) -> np.ndarray:
-    """Compute the mean displacement of all cells by a unit force at each (ny, nx) [m/N]."""
+    """Compute the mean displacement of all cells [m/N] by a unit force at each cell (ny, nx).
+
+    ``table`` (ny, nx) is `Influence.table`.
+    """
     for axis in (0, 1):
         summed = np.cumsum(table, axis)
         first = np.take(table, [0], axis)
-        # cells from this one on, and cells before it
+        # sums over the cells before and after each cell, and itself once
         table = summed + np.flip(summed, axis) - first
     return table / table.size
 
 
 def influence_of(table: np.ndarray) -> Influence:
-    """Make the interaction on a grid from its `influence_table` (ny, nx)."""
+    """Make the interaction on a grid, with its work space, from its `influence_table` (ny, nx)."""
     ny, nx = table.shape
     rows, columns = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in table.shape)
     wrapped = np.zeros((rows, columns))
@@ -398,12 +444,18 @@ def _single_influence(spectrum: np.ndarray, padded: np.ndarray) -> SingleInfluen
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
-    """Return the number of contacts up to which a dense product is cheaper than a convolution."""
+    """Return the number of contacts up to which a product with a matrix is cheaper.
+
+    Beyond it a convolution on the grid of this shape (ny, nx) is cheaper.
+    """
     return min(int(8.0 * math.sqrt(shape[0] * shape[1])), LARGEST_DENSE)
 
 
 def dense_influence(table: np.ndarray) -> Influence:
-    """Make the interaction for few contacts, with cheap dense products: only the table."""
+    """Make the interaction of few contacts on a grid, which is used with a matrix only.
+
+    It has the table (ny, nx) [m/N] and no memory for convolutions; its other arrays are empty.
+    """
     nothing = np.zeros((0, 0))
     wave = np.zeros((0, 0), np.complex128)
     patched = 0, nothing, np.zeros(0, np.int64)

@@ -35,16 +35,16 @@ ROUNDING = 2.0**-52
 
 
 class Equilibrium(NamedTuple):
-    """Forces in equilibrium, with residual and effort (symbols: `solvers.equilibrium`).
+    """Forces of contacts (n,) in equilibrium, with residual and effort.
 
-    The residual is sum |F - G| / sum G. G = min(C, psi(g + D - K F)) are the answers to the forces
-    F: the forces that the contacts would carry at the overlaps that F leaves. For a given total
-    force T it is at least |sum F - T| / sum G.
+    The symbols are those of `solvers.equilibrium`. The residual is sum |F - G| / sum G. The answers
+    G = min(C, psi(g + D - K F)) are the forces that the contacts would carry at the overlaps that
+    the forces F leave. For a given total force T the residual is at least |sum F - T| / sum G.
     """
 
     force: np.ndarray  # (n,) [N]
     interaction: np.ndarray  # at the contacts (n,) [m]
-    field: np.ndarray  # that at all cells (y, x) [m], empty if it was not computed
+    field: np.ndarray  # interaction at all cells (y, x) [m], empty if it was not computed
     shift: float  # of all overlaps [m]
     residual: float  # [1]
     newton_steps: int
@@ -53,34 +53,38 @@ class Equilibrium(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """Problem of `solve_equilibrium`, with work space of the last iterate."""
+    """Contacts whose equilibrium is sought, with work space for the last iterate.
+
+    ``influence``, ``matrix`` and ``contacts`` are as for `solve_equilibrium`. Every new `Iterate`
+    sets ``answer`` and ``secant``.
+    """
 
     influence: Influence
     matrix: np.ndarray
     contacts: Contacts
     target: float  # total force [N], NaN if the shift is given
-    answer: np.ndarray  # forces (n,) [N] by which contacts answer to the interaction
+    answer: np.ndarray  # answers G (n,) [N] of the contacts, see `Equilibrium`
     secant: np.ndarray  # compliance (n,) [m/N] of each contact from its force to its answer
-    grid: np.ndarray  # forces (y, x) of a product
+    grid: np.ndarray  # work space: forces (y, x) [N] of a product
 
 
 class Iterate(NamedTuple):
-    """Forces of Newton's method, and how far they are from equilibrium."""
+    """Forces of one step of Newton's method, and how far they are from equilibrium."""
 
     force: np.ndarray  # (n,) [N]
     elastic_displacement: np.ndarray  # their interaction at the contacts (n,) [m]
-    field: np.ndarray  # that at all cells (y, x), or with a matrix at the contacts (1, n) [m]
+    field: np.ndarray  # interaction at all cells (y, x) [m]; with a matrix at contacts (1, n)
     shift: float  # of all overlaps [m]
     difference: float  # sum of |force - answer| [N]
     total: float  # sum of the answers [N]
-    missing: float  # total force that is given less that of the forces [N], else 0
+    missing: float  # given total force less the sum of the forces [N]; 0 if none is given
 
 
 @kernel
 def _iterate_with_answers(problem, force, field, shift):
     """Make an iterate from forces (n,) [N] and their interaction ``field`` [m], see `Iterate`.
 
-    `Problem.answer` and `Problem.secant` are set.
+    `Problem.answer` and `Problem.secant` are set to those of the iterate. ``shift`` is in m.
     """
     cells = problem.contacts.cells
     elastic_displacement = np.empty(cells.size)
@@ -96,7 +100,10 @@ def _iterate_with_answers(problem, force, field, shift):
 
 @large_kernel
 def _iterate_of_forces(problem, force, shift):
-    """Make an iterate from forces, with one product with the interaction."""
+    """Make an iterate from forces (n,) [N] at a shift [m], with one product with the interaction.
+
+    `Problem.answer` and `Problem.secant` are set to those of the iterate.
+    """
     elastic_displacement = interaction_product(
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
     )
@@ -110,13 +117,17 @@ def _iterate_of_forces(problem, force, shift):
 
 @kernel
 def _misfit(state):
-    """Return how much of the forces [N] is not in equilibrium, see `Equilibrium.residual`."""
+    """Return `Equilibrium.residual` times the sum of the answers [N], for an iterate."""
     return max(state.difference, abs(state.missing))
 
 
 @large_kernel
 def _newton_step(problem, space, state, tolerance):
-    """Return the iterate after a Newton step, and the number of products."""
+    """Return the iterate after a Newton step from ``state``, and the number of products.
+
+    `Problem.answer` and `Problem.secant` are those of ``state`` before, and of the new iterate
+    afterwards. The step is solved as exactly as ``tolerance``, of the residual, requires.
+    """
     # as exact as the error of Newton's method requires, and not beyond the tolerance
     ratio = _misfit(state) / state.total if state.total > 0.0 else np.inf
     field = state.field.copy()
@@ -133,7 +144,7 @@ def _newton_step(problem, space, state, tolerance):
     )
     directed = state.force + direction
     force = np.minimum(np.maximum(directed, 0.0), problem.contacts.limit)
-    # last digits of a contact that opens, which rounding of the others would hide
+    # a contact that opens keeps no last digits, which rounding of other forces would hide
     force[(problem.answer == 0.0) & (force < ROUNDING * state.total)] = 0.0
     used += _add_change(problem, force - directed, field)
     return _iterate_with_answers(problem, force, field, state.shift + moved), used
@@ -141,18 +152,22 @@ def _newton_step(problem, space, state, tolerance):
 
 @kernel
 def _add_change(problem, change, field):
-    """Add the interaction of changes of force (n,) [N] to a field; return how many products."""
+    """Add the interaction of changes of force (n,) [N] to a field [m], in place.
+
+    Return the number of products: 1 if a convolution was needed, else 0.
+    """
     cells = problem.contacts.cells
     return int(add_displacements(problem.influence, problem.matrix, cells, change, field))
 
 
 @large_kernel
 def _safer_iterate(problem, state, trial):
-    """Return an iterate with a lower energy than the state, and the number of products.
+    """Return an iterate with a lower energy than the iterate ``state``, and the number of products.
 
     It is ``trial``, the iterate after a Newton step, if its energy is lower. Otherwise it is the
-    first of 1/2, 1/4, ... of the step that lowers the energy. If none does, it is the iterate after
-    a few passes of exact minimisation contact by contact (Gauss-Seidel), which always lower it.
+    first of 1/2, 1/4, ... of the step that lowers the energy. If none of `_HALVINGS` such parts
+    does, it is the iterate after a few passes of exact minimisation contact by contact
+    (Gauss-Seidel), which always lower it.
     """
     contacts = problem.contacts
     shift = state.shift

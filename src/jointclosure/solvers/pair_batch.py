@@ -2,15 +2,16 @@
 
 A `Batch` holds up to `BATCH` pairs. With fixed steps their neighbourhoods do not overlap. A step
 is `assess`, `measure_drops` (with gouge), `share_losses`, `fixed_losses` or `returning_losses`, and
-`shed_losses`. Every field has contiguous values for all pairs in one block of memory, so that LLVM
-generates vector code: ``a if condition else b`` is a selection there, not a branch, and values that
-do not apply to a pair are computed and not used.
+`shed_losses`, which change the batch in place, for its first n pairs. Every field has contiguous
+values for all pairs in one block of memory, so that LLVM generates vector code: ``a if condition
+else b`` is a selection there, not a branch, and values that do not apply to a pair are computed and
+not used.
 
 `jointclosure.mechanics.gouge` and `jointclosure.mechanics.strength` have the same equations for one
 pair, as the reference solver uses them. tests/solvers/test_breakage.py compares both.
 
-The 3 x 3 heights of a wall are in the order of (y, x) offsets, with the cell itself at `CENTRE`;
-heights outside the grid are infinite.
+The 3 x 3 heights of a wall around a pair are in the order of (y, x) offsets, with the cell itself
+at `CENTRE`; heights outside the grid are infinite.
 """
 
 import math
@@ -40,7 +41,7 @@ NORTH = 7  # y + 1
 
 
 def _batch_fields(*names: str, shape: tuple[int, ...] = ()) -> list[tuple]:
-    """Return fields of `Batch` of a shape, with one value for each pair."""
+    """Return fields of `Batch` by name, each with an array of a ``shape`` for every pair."""
     return [(name, np.float64, (*shape, BATCH)) for name in names]
 
 
@@ -53,13 +54,14 @@ Batch = np.dtype(
             # closure less the elastic displacement, from first touch [m]; the overlap is the
             # sum of both heights and this value
             *_batch_fields("approach", "overlap"),
-            # strength: q = delta_break/R_a, and substrate compliance times breaking force
-            # times kappa_a^2, see `jointclosure.mechanics.strength.is_overstressed`
-            # and the curvature below which strength is bounded
+            # strength: q = delta_break/R_a, substrate compliance times breaking force times
+            # kappa_a^2 (see `jointclosure.mechanics.strength.is_overstressed`), and the curvature
+            # [1/m] below which strength is bounded
             *_batch_fields("critical_indentation", "substrate_strength", "filling"),
             # overlap over the overlap at breakage
             *_batch_fields("overlap_ratio"),
-            # 1 or 0: breaks in this step; is locked on both walls. Number of steps so far
+            # whether the pair breaks in this step, and whether it is locked (1 or 0); number of
+            # its breakage steps so far
             *_batch_fields("breaks", "locked", "steps"),
             # by wall: curvature [1/m], sum and smallest of the drops to lower neighbours [m],
             # loss of height (at first its share) [m]
@@ -79,28 +81,28 @@ def batch_memory() -> np.ndarray:
 
 
 class Rules(NamedTuple):
-    """What is the same for all pairs of a batch."""
+    """Values that are the same for all pairs of a batch."""
 
-    tie_tolerance: float  # height difference that makes no neighbour lower [m]
+    tie_tolerance: float  # height difference [m] up to which a neighbour is not lower
     least_curvature: float  # lower bound of a wall's curvature [1/m]
     concave: float  # see `ContactLaw`
     spacing: float  # of the grid [m]
-    gouge: bool
+    gouge: bool  # whether neighbours receive gouge
     bounded: bool  # whether strength is bounded by the base of an asperity
 
 
 @kernel
 def unsigned(index):
-    """Return an index >= 0 as an unsigned one, which is not checked for being negative."""
+    """Return an index >= 0 as an unsigned integer, for which no check of its sign is compiled."""
     return np.uint64(index)
 
 
 @kernel
 def whole_vectors(n):
-    """Return a number of pairs rounded up to whole vectors of the processor.
+    """Return a number n of pairs, rounded up to whole vectors of the processor.
 
     A loop over whole vectors has no part that is not vector code. What it computes for places of
-    the batch without a pair is not used.
+    the batch beyond n is not used.
     """
     return n + -n % LANES
 
@@ -109,8 +111,9 @@ def whole_vectors(n):
 def gather(batch, n, cells, upper, lower, approach, growth, left, stride, with_corners):
     """Copy approaches and heights around cells (n,) into a batch, optionally with corners.
 
-    ``approach`` [m] is that at the end of a step, in which it grows by ``growth`` [m]; ``left`` is
-    the share of the step that is to come.
+    ``approach`` (cells,) [m] is that at the end of a step, in which it grows by ``growth`` (cells,)
+    [m]. ``left`` is the share of the step that is still to come. Without corners only the cell and
+    its four edge neighbours are copied. ``stride`` is the number of cells from one row to the next.
     """
     for i in range(n):
         cell = cells[i]
@@ -126,7 +129,7 @@ def gather(batch, n, cells, upper, lower, approach, growth, left, stride, with_c
 
 @kernel
 def scatter(batch, i, cell, upper, lower, stride):
-    """Copy the heights of pair i back around its cell."""
+    """Copy the 3 x 3 heights of both walls of pair i from the batch back around its ``cell``."""
     for row in range(3):
         start = cell + (row - 1) * stride - 1
         for column in range(3):
@@ -137,7 +140,11 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 @kernel
 def assess(batch, n, allowed, rules):
-    """Compute curvatures, overlap, overlap ratio, and whether this exceeds the allowed one."""
+    """Compute curvatures, overlap and overlap ratio of pairs, and which pairs break.
+
+    A pair breaks if its overlap ratio, the overlap over the overlap at breakage, exceeds
+    ``allowed``.
+    """
     for i in range(n):
         for wall in range(2):
             batch.curvature[wall, i] = wall_curvature(
@@ -166,7 +173,11 @@ def assess(batch, n, allowed, rules):
 
 @kernel
 def keep_assessment(batch, at, to):
-    """Copy what is known of the pair ``at``, but heights and `breaks`, to the place ``to``."""
+    """Copy what `assess` and the laws have set for the pair ``at`` to the place ``to``.
+
+    These are curvatures, overlap, overlap ratio and strength. Heights, approach, `breaks`, drops
+    and losses are not copied.
+    """
     batch.curvature[UPPER, to] = batch.curvature[UPPER, at]
     batch.curvature[LOWER, to] = batch.curvature[LOWER, at]
     batch.overlap[to] = batch.overlap[at]
@@ -184,14 +195,18 @@ def smaller_drop(drop, least):
 
 @kernel
 def drop_of_neighbour(batch, wall, neighbour, i, tie_tolerance):
-    """Return the drop from the cell of pair i to a neighbour [m], 0 if it is not lower."""
+    """Return the drop [m] from the cell of pair i to a neighbour, 0 if it is not lower."""
     here = batch.heights[wall, CENTRE, i]
     return fall(here, batch.heights[wall, neighbour, i], tie_tolerance)
 
 
 @kernel
 def measure_drops(batch, n, wall, tie_tolerance):
-    """Compute sum and smallest of the drops of a wall's cells, as `mechanics.gouge.drops`."""
+    """Compute the sum and the least of the drops [m] from a wall's cells to their neighbours.
+
+    The least drop is that of the lower neighbours, infinite if there are none, as in
+    `mechanics.gouge.drops`.
+    """
     for i in range(n):
         a = drop_of_neighbour(batch, wall, 0, i, tie_tolerance)
         b = drop_of_neighbour(batch, wall, 1, i, tie_tolerance)
@@ -238,7 +253,7 @@ def share_losses(batch, n, gouge):
 
 @kernel
 def fixed_losses(batch, n, breakage_step):
-    """Set losses to the shares of both walls in the fixed step [m]."""
+    """Turn the shares of loss of both walls into losses [m], by the fixed ``breakage_step`` [m]."""
     for i in range(n):
         batch.loss[UPPER, i] *= breakage_step
         batch.loss[LOWER, i] *= breakage_step
@@ -246,7 +261,10 @@ def fixed_losses(batch, n, breakage_step):
 
 @kernel
 def raise_neighbour(batch, wall, neighbour, i, rate, tie_tolerance):
-    """Raise a neighbour of pair i by gouge, by ``rate`` times its drop below the cell."""
+    """Raise a neighbour of pair i by gouge, by ``rate`` times its drop below the cell.
+
+    ``rate`` is the loss over the sum of the drops [1].
+    """
     height = batch.heights[wall, neighbour, i]
     drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
     batch.heights[wall, neighbour, i] = height + rate * drop
@@ -254,7 +272,11 @@ def raise_neighbour(batch, wall, neighbour, i, rate, tie_tolerance):
 
 @kernel
 def shed_losses(batch, n, wall, tie_tolerance, gouge):
-    """Lower a wall's cells by their losses and distribute these on the lower neighbours."""
+    """Lower a wall's cells by their losses, which with gouge raise the lower neighbours.
+
+    A neighbour rises in proportion to its drop below the cell. As in `mechanics.gouge.shed` a loss
+    is limited so that no neighbour ends above the cell; `loss` itself stays as it was.
+    """
     for i in range(n):
         loss = batch.loss[wall, i]
         here = batch.heights[wall, CENTRE, i]
@@ -281,7 +303,8 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
 def curvature_after(batch, i, wall, loss, rules):
     """Compute the curvature [1/m] of a wall's cell after pair i has lost a height ``loss`` [m].
 
-    If gouge acts, its neighbours have then received it.
+    ``loss`` is that of both walls together, of which the wall has the share in `batch.loss`. With
+    gouge the curvature is that after the lower neighbours have received the wall's part.
     """
     here = batch.heights[wall, CENTRE, i]
     share = batch.loss[wall, i]
@@ -302,7 +325,7 @@ def curvature_after(batch, i, wall, loss, rules):
 
 @kernel
 def ratio_after(batch, i, loss, rules):
-    """Compute the overlap ratio of pair i after it has lost a height [m], see `curvature_after`."""
+    """Compute the overlap ratio of pair i after a loss of height [m], see `curvature_after`."""
     kappa = curvature_after(batch, i, UPPER, loss, rules)
     kappa += curvature_after(batch, i, LOWER, loss, rules)
     indentation = batch.critical_indentation[i]
@@ -314,7 +337,11 @@ def ratio_after(batch, i, loss, rules):
 
 @kernel
 def level_loss(batch, i, wall):
-    """Return the loss [m] of pair i at which a wall's cell is level with its closest neighbour."""
+    """Return the loss [m] of pair i at which a wall's cell is level with a neighbour.
+
+    It is the loss of both walls together at which the highest of the lower neighbours, raised by
+    gouge, reaches the cell; infinite if the wall has no share of the loss.
+    """
     share = batch.loss[wall, i]
     total = batch.total_drop[wall, i]
     least = batch.least_drop[wall, i]
@@ -323,7 +350,12 @@ def level_loss(batch, i, wall):
 
 @kernel
 def bracket_losses(batch, n, goal, gouge):
-    """Bracket the losses that bring the overlap ratio to ``goal``, and set the first trials."""
+    """Bracket the losses that bring the overlap ratios to ``goal``, and set the first trials.
+
+    A bracket starts at 0. It ends where contact is lost, or with gouge where a cell is level with a
+    neighbour, if that is less (`level_loss`). The first trial is the solution for an unchanged
+    curvature. Pairs that do not break are done.
+    """
     for i in range(n):
         overlap = batch.overlap[i]
         most = overlap  # until contact is lost
@@ -350,10 +382,10 @@ def bracket_losses(batch, n, goal, gouge):
 def narrow_loss(batch, i, goal, near, rules):
     """Do one step of false position for the loss of pair i, in the Illinois variant.
 
-    As in that variant the value at an end that stays twice is halved. It differs from the textbook
-    in its start: the first trial is the solution for an unchanged curvature, and the value at the
-    right end is not computed before a trial falls on it. It ends when the overlap ratio is within
-    ``near`` of the goal, or too large even at the largest possible loss.
+    As in that variant the value at an end of the bracket that stays twice is halved. It differs
+    from the textbook in its start: the first trial is the solution for an unchanged curvature, and
+    the value at the right end is not computed before a trial falls on it. The pair is done when the
+    overlap ratio is within ``near`` of the goal, or too large even at the largest possible loss.
     """
     trial = batch.trial[i]
     answer = ratio_after(batch, i, trial, rules) - goal
@@ -386,10 +418,11 @@ def narrow_loss(batch, i, goal, near, rules):
 
 @kernel
 def returning_losses(batch, n, band, rules):
-    """Compute by return mapping the losses that bring pairs back to their strength.
+    """Compute by return mapping the losses that bring breaking pairs back to their strength.
 
-    The overlap ratio becomes 1 - band/2. All pairs do the same number of steps in vector code,
-    until few are unsolved; these go on alone.
+    The overlap ratio becomes 1 - band/2, to within band/4, if a loss can lower it so far. The
+    shares in `batch.loss` are replaced by losses [m]. All pairs do the same number of steps in
+    vector code, until few are unsolved; these go on one by one.
     """
     goal = 1.0 - 0.5 * band
     near = 0.25 * band
@@ -416,7 +449,7 @@ def returning_losses(batch, n, band, rules):
 
 @kernel
 def copy_pair(batch, at, to):
-    """Copy an assessed pair with its drops and shares from one place in the batch to another."""
+    """Copy an assessed pair, with its heights, drops and shares, to another place in the batch."""
     for wall in range(2):
         for k in range(9):
             batch.heights[wall, k, to] = batch.heights[wall, k, at]

@@ -9,7 +9,7 @@ import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
 
-PIVOTS = 4  # of one pass over a matrix
+PIVOTS = 4  # number of pivots of one pass over a matrix
 LANES = 8  # largest number of values in a vector of a processor
 
 
@@ -43,7 +43,10 @@ def inner(one, other):
 
 @kernel
 def symmetric_times(matrix, vector):
-    """Multiply a symmetric matrix (n, n), or the first part of a larger one, by a vector (n,)."""
+    """Multiply a symmetric matrix by a vector (n,); return the product (n,).
+
+    The matrix is (n, n), or larger, of which the first n rows and columns are used.
+    """
     n = vector.size
     answer = np.zeros(n)
     whole = n - n % 4
@@ -109,7 +112,11 @@ def symmetric_inverse(matrix):
 
 @kernel
 def _follow_pivots(row, k, first, start, stop, columns, shares):
-    """Sweep a row of a symmetric matrix, row k, by the pivots ``start`` to ``stop`` of a pass."""
+    """Sweep row k of a symmetric matrix, in place, by the pivots ``start`` to ``stop`` of a pass.
+
+    Pivot r of the pass is row ``first`` + r of the matrix; ``columns`` and ``shares`` hold its
+    column, and this over the pivot.
+    """
     for r in range(start, stop):
         column = columns[r]
         share = shares[r]
@@ -124,7 +131,10 @@ def _follow_pivots(row, k, first, start, stop, columns, shares):
 
 @kernel
 def _subtract_products(swept, columns, shares):
-    """Subtract the products of `PIVOTS` shares and columns in turn from the lower triangle."""
+    """Subtract the products of `PIVOTS` shares and columns, one by one, from a matrix in place.
+
+    Only the lower triangle is used afterwards; part of the upper one is changed too.
+    """
     c0 = columns[0]
     c1 = columns[1]
     c2 = columns[2]

@@ -19,7 +19,11 @@ MOST_SWEEPS = 100_000  # passes over all contacts after which forces count as no
 
 @kernel
 def displacement_by_others(table, force, y, x):
-    """Compute the interaction [m] of all other contacts at a cell, Eqs. (17) and (18)."""
+    """Compute the displacement [m] of the cell (y, x) by all other contacts, Eqs. (17) and (18).
+
+    ``force`` (ny, nx) [N] are the forces of the contacts; ``table`` (ny, nx) [m/N] is the influence
+    by distance in cells, 0 at distance 0.
+    """
     ny, nx = force.shape
     total = 0.0
     for v in range(ny):
@@ -31,7 +35,10 @@ def displacement_by_others(table, force, y, x):
 
 @kernel
 def tallest_first(cells, upper, lower):
-    """Return the order (n,) of cells (n,) by the summed height of both walls, the tallest first."""
+    """Return the indices (n,) that sort cells (n,) by the summed height of both walls.
+
+    The tallest is the first. Cells are given by flat index.
+    """
     nx = upper.shape[1]
     heights = np.empty(cells.size)
     for i in range(cells.size):
@@ -42,7 +49,10 @@ def tallest_first(cells, upper, lower):
 
 @kernel
 def lay_back(heights, y, x, neighbours):
-    """Write the heights (8,) of the neighbours of a cell back to its wall (y, x)."""
+    """Write the heights (8,) [m] of a cell's neighbours, as from `neighbourhood`, back to its wall.
+
+    The wall ``heights`` (ny, nx) is changed in place. Neighbours outside the grid are left out.
+    """
     ny, nx = heights.shape
     k = 0
     for dy in range(-1, 2):
@@ -77,12 +87,15 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         tolerance,
         most_sweeps,
     ):
-        """Return sweeps, breakage steps, whether forces settled, and the locked cells (y, x).
+        """Sweep over the contacts at one closure until their forces settle.
 
-        Walls ``upper`` and ``lower`` (y, x) [m], the states ``peaks`` (y, x) of pairs, their
-        ``force`` (y, x) [N] and ``elastic_displacement`` (y, x) [m] are changed in place. The
-        ``offset`` [m] is the closure from first touch, ``table`` (ny, nx) [m/N] the influence by
-        distance in cells, ``tolerance`` the largest relative change of a force that has settled.
+        Return the number of sweeps, the number of breakage steps, whether the forces settled within
+        ``most_sweeps``, and a mask (y, x) of the locked pairs. Walls ``upper`` and ``lower`` (y, x)
+        [m], the states ``peaks`` (y, x) of pairs, their ``force`` (y, x) [N] and
+        ``elastic_displacement`` (y, x) [m] are changed in place. The ``offset`` [m] is the closure
+        from first touch, ``table`` (ny, nx) [m/N] the influence by distance in cells, ``law`` a
+        `ContactLaw`. A pair breaks in steps of ``breakage_step`` [m]. ``tolerance`` is the largest
+        relative change of a force in the last sweep.
         """
         ny, nx = upper.shape
         around_upper = np.empty(8)
@@ -182,9 +195,10 @@ class ReferenceSolver:
     predict = None  # the paper's breakage is in fixed steps
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; return the state reached.
+        """Bring the joint to rest at a closure [m], in place, and return the state reached.
 
-        Steps of breakage are ``breakage_step`` [m].
+        Its walls, forces and interaction are changed. A pair of cells breaks in steps of
+        ``breakage_step`` [m].
         """
         effects = joint.effects
         sweep_to_rest = reference_kernel(

@@ -10,7 +10,10 @@ if TYPE_CHECKING:
 
 
 def solver_named(name: str) -> "Solver":
-    """Return a solver by its name; `InputError` lists the names."""
+    """Return a solver by its name, "fast" or "reference".
+
+    Raise `InputError`, which lists the names, for any other name.
+    """
     check_one_of("solver", name, SOLVER_NAMES)
     if name == "reference":
         from jointclosure.solvers.reference import ReferenceSolver
