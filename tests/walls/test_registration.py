@@ -670,7 +670,7 @@ def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
 def test_holes_that_were_filled_do_not_count_in_the_slopes_that_a_wall_lost(walls, monkeypatch):
     compared = []
     monkeypatch.setattr(
-        plausibility, "smoothing_of", lambda cloud, wall, *more: compared.append(wall)
+        plausibility, "slopes_by_interpolation", lambda cloud, wall, *more: compared.append(wall)
     )
     monkeypatch.setattr(registration, "with_side", lambda side, remarks: [])
     upper = 0.6e-3 - walls[0]
