@@ -21,16 +21,18 @@ from jointclosure.walls import plausibility, registration, rotation_search, wall
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
 from jointclosure.walls.mating import Mismatch
 from jointclosure.walls.motion import Motion
-from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
 from jointclosure.walls.overlap import Overlap, largest_rectangle
 from jointclosure.walls.pair_remarks import width_remarks
 from jointclosure.walls.planes import detrended
+from jointclosure.walls.plateaus import remove_plateaus
 from jointclosure.walls.position_search import BestFit, _remedy, check_found
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.registration import registered
 from jointclosure.walls.registration_options import ORIENTATIONS
 from jointclosure.walls.rotation_search import SlopeFit
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.spikes import remove_spikes, spike_heights
+from jointclosure.walls.stray_points import patch_numbers
 from jointclosure.walls.wall_files import check_cells, registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
 

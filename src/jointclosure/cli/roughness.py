@@ -18,13 +18,13 @@ from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import point_distance, wall_on_grid
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.missing_heights import LARGEST_FILLED_SHARE, MISSING, fill_missing
-from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
 from jointclosure.walls.profile_roughness import levelled_profile, measure_profile, read_profile
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_quality import resolution_remarks
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.spikes import remove_spikes
 from jointclosure.walls.wall_roughness import Measure, measure_wall
 
 _MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"

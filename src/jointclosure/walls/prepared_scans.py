@@ -10,10 +10,10 @@ from jointclosure.walls import gridding, plausibility
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, point_distance, points_of
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.motion import Motion
-from jointclosure.walls.outliers import remove_spikes
 from jointclosure.walls.registration_options import FLIPS, RegistrationOptions
 from jointclosure.walls.scan_defects import inspected
 from jointclosure.walls.scan_quality import rounding_of, shortest_wave
+from jointclosure.walls.spikes import remove_spikes
 
 SIDES = ("upper", "lower")
 _SAME = 0.05

@@ -97,7 +97,7 @@ def registered(
         default. Walls that do not mate stay as scanned; they need their orientation.
     spikes : {"keep", "cut"}
         Whether to leave out points that differ from all but one of their neighbours
-        (`jointclosure.walls.outliers.remove_spikes`).
+        (`jointclosure.walls.spikes.remove_spikes`).
     largest_filled_share : float
         Largest share of cells in holes inside the walls for which they are taken out of contact:
         they receive the height of the other wall and the largest aperture of the cells around. If

@@ -17,7 +17,7 @@ from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of
 from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS
-from jointclosure.walls.outliers import neighbour_pairs
+from jointclosure.walls.neighbours import neighbour_pairs
 from jointclosure.walls.planes import detrended_points
 from jointclosure.walls.spectrum_end import SpectrumEnd, spectrum_end
 from jointclosure.walls.wall_roughness import height_differences
