@@ -10,7 +10,7 @@ from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.statistics.number_texts import percent
 from jointclosure.walls.gridding import Cloud
 from jointclosure.walls.missing_heights import in_gaps
-from jointclosure.walls.scan_quality import step_of
+from jointclosure.walls.rounding import step_of
 from jointclosure.walls.scans.contents import (
     Contents,
     missing_heights,
