@@ -40,7 +40,7 @@ from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
-from jointclosure.walls.scan_quality import noise_of_grid, resolution_remarks
+from jointclosure.walls.scan_quality import quality_of, quality_remarks
 from jointclosure.walls.spectrum_end import spectrum_end
 
 SPACING, CELLS = 0.25e-3, 64
@@ -203,7 +203,9 @@ def warned(scan: Scan | Cloud) -> list[str]:
     """Return the warnings on one scan, without those of reading it."""
     kept = inspected(scan._replace(remarks=()))
     step = point_distance(kept)
-    remarks = cautions(kept.remarks) + resolution_remarks(kept, wall_on_grid(kept, step), step)
+    remarks = cautions(kept.remarks) + quality_remarks(
+        quality_of(kept), wall_on_grid(kept, step), step
+    )
     return [str(remark) for remark in remarks]
 
 
@@ -260,7 +262,7 @@ def noise_held(pairs: int) -> pd.DataFrame:
             wall = (ended(wall, radius) if radius else wall)[:cells, :cells]
             noise = share * _steps(wall)
             scan = scan_of(wall + noise * random.standard_normal(wall.shape))
-            low, high = noise_of_grid(scan)
+            low, high = quality_of(scan).noise
             held.append(low <= noise <= high)
             ratios.append(high / noise)
             end = spectrum_end(scan)

@@ -12,14 +12,15 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.walls.gridding import FLAT, Cloud, Scan, wall_on_grid
+from jointclosure.walls.interpolation_remarks import interpolation_remarks
 from jointclosure.walls.jrc import jrc_of_z2, rms_slope
 from jointclosure.walls.levelling import levelled_together
 from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
-from jointclosure.walls.plausibility import doubts, slope_doubts, smoothing_of, unit_doubts
+from jointclosure.walls.plausibility import doubts, unit_doubts
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected_together
-from jointclosure.walls.scan_quality import resolution_remarks
+from jointclosure.walls.scan_quality import quality_of, quality_remarks
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 from jointclosure.walls.wall_roughness import hurst_of
@@ -94,8 +95,9 @@ def prepared_walls(
         lying = {side: wall for side, (wall, _) in heights.items()}
         if not unusual_values:
             both = len(lying) == 2
-            problems = doubts(**lying, spacing=spacing) if both else slope_doubts(lying, spacing)
-            if problems := problems or unit_doubts(lying, spacing)[0]:
+            units = unit_doubts(lying, spacing)
+            problems = doubts(**lying, spacing=spacing) if both else units.impossible
+            if problems := problems or units.contradictions:
                 raise InputError(f"{files}: {'; '.join(problems)}; {AS_IT_IS}")
     for side, (wall, share) in heights.items():
         # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
@@ -113,8 +115,9 @@ def prepared_walls(
         remarks = scans[side].remarks
         if not settings.bring_together:  # else in the registration's report
             low = None if bounds is None else bounds[0]
-            remarks += smoothing_of(scans[side], wall, spacing, low)
-            remarks += tuple(resolution_remarks(measured[side], wall, spacing, scans[side]))
+            remarks += interpolation_remarks(scans[side], wall, spacing, low)
+            quality = quality_of(measured[side], scans[side])
+            remarks += tuple(quality_remarks(quality, wall, spacing))
             warnings += [f"{side} wall: {remark}" for remark in cautions(remarks)]
         if remarks:  # what reading left out is stored with the results
             about["remarks"] = "; ".join(remarks)

@@ -25,7 +25,7 @@ from jointclosure.uncertainty.expected_cost import (
     expected_cost,
 )
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
-from jointclosure.walls.wall_files import coarser_grid
+from jointclosure.walls.joint_grid import coarser_grid
 from tests.ensembles.dying import kill_worker_once
 from tests.joints import DOLERITE, SPACING
 from tests.processes import python

@@ -17,21 +17,25 @@ from benchmarks.registration import Truth, rotation
 from jointclosure.inputs.remarks import cautions
 from jointclosure.joint.history import with_snapshots
 from jointclosure.uncertainty.scanned_joint import _force_in_holes
-from jointclosure.walls import plausibility, registration, rotation_search, wall_files
+from jointclosure.walls import joint_grid, registration, rotation_search, wall_files
 from jointclosure.walls.gridding import Cloud, Scan, point_distance, points_of, usual_grid_spacing
+from jointclosure.walls.joint_grid import LARGEST, check_cells
 from jointclosure.walls.mating import Mismatch
 from jointclosure.walls.motion import Motion
-from jointclosure.walls.outliers import patch_numbers, remove_plateaus, remove_spikes, spike_heights
 from jointclosure.walls.overlap import Overlap, largest_rectangle
+from jointclosure.walls.pair_checks import check_confirmed
 from jointclosure.walls.pair_remarks import width_remarks
 from jointclosure.walls.planes import detrended
-from jointclosure.walls.position_search import BestFit, _remedy, check_found
+from jointclosure.walls.plateaus import remove_plateaus
+from jointclosure.walls.position_search import BestFit, Position, _remedy
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.registration import registered
 from jointclosure.walls.registration_options import ORIENTATIONS
 from jointclosure.walls.rotation_search import SlopeFit
 from jointclosure.walls.scans import read_scan
-from jointclosure.walls.wall_files import check_cells, registered_walls
+from jointclosure.walls.spikes import remove_spikes, spike_heights
+from jointclosure.walls.stray_points import patch_numbers
+from jointclosure.walls.wall_files import registered_walls
 from tests.joints import DOLERITE, SPACING, TWO_WALLS, closed
 
 SHAPE = (64, 72)
@@ -129,15 +133,34 @@ def test_a_flat_wall_leaves_the_gap_and_all_holes_to_the_other(side):
 
 
 def test_many_cells_need_a_stated_spacing(walls, monkeypatch):
-    check_cells((1000, 1000), SPACING, stated=False)
-    check_cells((1001, 1000), SPACING, stated=True)
+    check_cells((1000, 1000), SPACING, LARGEST)
     with pytest.raises(jc.InputError, match=r"1000 x 1001 cells .* 1.5 mm"):
-        check_cells((1001, 1000), SPACING, stated=False)
+        check_cells((1001, 1000), SPACING, LARGEST)
     monkeypatch.setattr(wall_files, "LARGEST", 100)
     scans = [grid(wall, (0.0, 0.0)) for wall in (0.6e-3 - walls[0], walls[1])]
+    registered_walls(*scans, {}, SPACING, orientation="common_frame")
+    registered(*scans, orientation="common_frame")
+    monkeypatch.setattr(registration, "_pair_on", Mock(side_effect=AssertionError))
     with pytest.raises(jc.InputError, match="must be at most 100 cells unless the grid spacing"):
         registered_walls(*scans, {}, orientation="common_frame")
-    registered_walls(*scans, {}, SPACING, orientation="common_frame")
+
+
+@pytest.mark.parametrize(
+    ("walls", "orientation", "refused"),
+    [
+        (("flat", "flat"), None, "both walls are flat"),
+        (("upper.npy", "flat"), None, "must be stated where the lower wall is flat"),
+        (("upper.npy", "flat"), "mirrored", "must be stated where the lower wall is flat"),
+        (("flat", "lower.npy"), "towards", "must be left out"),
+        (("upper.npy", np.zeros((9, 9))), None, "a wall of type ndarray"),
+    ],
+)
+def test_what_needs_no_file_is_refused_before_files_are_read(
+    walls, orientation, refused, monkeypatch
+):
+    monkeypatch.setattr(wall_files, "read_scan", Mock(side_effect=AssertionError))
+    with pytest.raises(jc.InputError, match=refused):
+        registered_walls(*walls, {}, orientation=orientation)
 
 
 @pytest.mark.parametrize(("name", "quarters"), [*zip(ORIENTATIONS, range(4), strict=True)])
@@ -657,9 +680,25 @@ def test_an_aperture_map_is_warned_of_if_it_is_inclined_by_more_than_five_degree
 def test_a_fit_of_slopes_at_which_heights_have_no_position_is_refused():
     middle, fits = np.zeros(3), [SlopeFit("rotated", 0.9, 10.0, np.zeros(2))]
     mated = Motion(np.eye(3), np.eye(3), middle, middle, np.full((3, 3), np.nan))
+    position = Position(mated, False, BestFit("rotated", fits, mated, []), [])
     with pytest.raises(jc.InputError, match=r"ambiguous: slopes correlate by rotated 0.90 at 10 d"):
-        check_found(BestFit("rotated", fits, mated, []))
-    check_found(BestFit("rotated", fits, mated._replace(covariance=np.eye(3)), []))
+        check_confirmed(position)
+    sure = position.fit._replace(mated=mated._replace(covariance=np.eye(3)))
+    check_confirmed(position._replace(fit=sure))
+    check_confirmed(position._replace(fit=position.fit._replace(mated=None)))
+
+
+@pytest.mark.parametrize("number", [4])  # of walls that are compared at all rotations
+def test_heights_in_another_unit_are_named_where_they_are_why_no_position_is_found(number):
+    """Least squares of heights find no position, but the message says what is wrong."""
+    upper, lower = jc.wall_pair(
+        9.0, SHAPE, SPACING, number, mismatch_wavelength=2e-3, roll_off=None
+    )
+    scans = grid(1e-3 - upper), grid(10.0 * lower)
+    found = registered(*scans, unusual_values=True)
+    assert not np.isfinite(found.mated.covariance).all()
+    with pytest.raises(jc.InputError, match=r"times as steep as .*in another unit than x and y"):
+        registered(*scans)
 
 
 def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
@@ -669,10 +708,11 @@ def test_walls_given_as_scans_are_refused_without_a_name_of_a_file(walls):
 
 def test_holes_that_were_filled_do_not_count_in_the_slopes_that_a_wall_lost(walls, monkeypatch):
     compared = []
-    monkeypatch.setattr(
-        plausibility, "slopes_by_interpolation", lambda cloud, wall, *more: compared.append(wall)
-    )
-    monkeypatch.setattr(registration, "with_side", lambda side, remarks: [])
+
+    def none(cloud, wall, *more):
+        compared.append(wall)
+
+    monkeypatch.setattr(joint_grid, "slopes_by_interpolation", none)
     upper = 0.6e-3 - walls[0]
     upper[10:13, 10:13] = np.nan
     pair = registered(grid(upper), grid(walls[1]), **AS_SCANNED)

@@ -1,34 +1,23 @@
 """Errors of registered walls: displaced within the errors of the fit, and without noise."""
 
-import re
-
 import numpy as np
 import pytest
 import scipy
 
 import jointclosure as jc
-from benchmarks.registration import rotation
-from benchmarks.scan_defects import ended
 from jointclosure.joint.conditions import Conditions
 from jointclosure.uncertainty.sources import sources_of
 from jointclosure.uncertainty.variants import Variant
-from jointclosure.walls.gridding import Cloud, Scan, points_of
+from jointclosure.walls.gridding import Scan
 from jointclosure.walls.jrc import rms_slope
 from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import cut_rim, inspected
 from jointclosure.walls.scan_errors import ScanErrors, noise_of, scale_of, scales_differ
-from jointclosure.walls.scan_quality import (
-    noise_of_points,
-    noise_of_scan,
-    resolution_remarks,
-    rounding_of,
-    shortest_wave,
-)
-from jointclosure.walls.spectrum_end import spectrum_end
+from tests.joints import SPACING
+from tests.walls.sampled import noisy, sampled_walls, scan_of
 
-SPACING = 0.25e-3
 SHAPE = (96, 96)
 
 
@@ -40,17 +29,7 @@ def errors(noise=0.0, offset=(0.0, 0.0, 0.0), shape=SHAPE):
 
 @pytest.fixture(scope="module")
 def walls():
-    """Walls of which every second cell is scanned, so that shorter waves appear as longer ones."""
-    fine = jc.wall_pair(
-        8.0, (192, 192), SPACING / 2, 1, roll_off=None, mismatch_wavelength=1e-3,
-        unusual_values=True,
-    )  # fmt: skip
-    return tuple(detrended(wall[::2, ::2]) for wall in fine)
-
-
-def noisy(walls, noise):
-    random = np.random.default_rng(0)
-    return tuple(wall + noise * random.standard_normal(wall.shape) for wall in walls)
+    return sampled_walls()
 
 
 def test_walls_are_displaced_as_a_motion_moves_points():
@@ -174,79 +153,6 @@ def test_the_noise_is_found_beside_the_waves_that_are_shorter_than_the_grid(wall
     assert np.sqrt(2.0) * noise * 0.8 <= low <= high < np.sqrt(2.0) * noise + 12e-6
 
 
-@pytest.mark.parametrize("finer", [1, 2])
-@pytest.mark.parametrize("roll_off", [None, 3e-3])
-@pytest.mark.parametrize("noise", [0.0, 5.7e-6, 18e-6])
-def test_the_noise_of_a_scanner_is_that_which_was_added(noise, roll_off, finer):
-    """To walls with and without waves that are shorter than the grid. The interval of 95 % contains
-    it in at least 9 of 12 scans: 8 or fewer have a probability of 0.002.
-    """
-    held = 0
-    for seed in range(12):
-        hurst, jrc = 0.5 + 0.04 * (seed % 11), 5.0 + 0.8 * seed
-        shape = (96 * finer, 80 * finer)
-        wall, _ = jc.wall_pair(jrc, shape, SPACING / finer, seed, hurst, roll_off=roll_off,
-                               unusual_values=True)  # fmt: skip
-        random = np.random.default_rng(seed)
-        heights = wall[::finer, ::finer] + noise * random.standard_normal((96, 80))
-        low, high = noise_of_scan(scan_of(heights))
-        held += low <= noise <= high
-    assert held >= 9
-
-
-def test_roughness_below_the_grid_is_no_noise_of_the_scanner():
-    """It is as high as noise of 20 um, of which the spectrum of the grid cannot tell it apart."""
-    fine, _ = jc.wall_pair(14.0, (256, 256), SPACING / 2.0, 3, 0.5, roll_off=None,
-                           unusual_values=True)  # fmt: skip
-    low, _ = noise_of_scan(scan_of(fine[::2, ::2]))
-    assert low == 0.0
-    turned = -scipy.ndimage.shift(fine, 1.0, mode="mirror")[::2, ::2]
-    assert noise_of(turned, fine[::2, ::2])[1] > 10e-6
-
-
-def test_noise_is_found_beside_missing_or_rounded_heights():
-    fine, _ = jc.wall_pair(6.0, (256, 256), SPACING / 2.0, 5, 0.8, unusual_values=True)
-    random = np.random.default_rng(5)
-    heights = np.round(fine[::2, ::2] + 15e-6 * random.standard_normal((128, 128)), 5)
-    heights[random.random(heights.shape) < 0.05] = np.nan
-    low, high = noise_of_scan(scan_of(heights))
-    assert 4e-6 < low < 15e-6 < high < 25e-6
-
-
-def test_a_filtered_scan_tells_no_noise():
-    fine, _ = jc.wall_pair(8.0, (128, 128), SPACING, 5, 0.8, roll_off=None, unusual_values=True)
-    assert np.isnan(noise_of_scan(scan_of(scipy.ndimage.uniform_filter(fine, 3)))).all()
-
-
-@pytest.mark.parametrize("radius", [0.8, 1.0])
-@pytest.mark.parametrize("cells", [48, 72])
-def test_a_spectrum_that_ends_at_a_circle_is_warned_of_and_its_noise_is_stated(radius, cells):
-    """By growth with distance alone, the interval ended below the noise, at 0 in most scans."""
-    for seed in range(3):
-        wall, _ = jc.wall_pair(8.0, (2 * cells, 2 * cells), SPACING, seed, roll_off=None,
-                               unusual_values=True)  # fmt: skip
-        wall = ended(wall, radius)[:cells, :cells]
-        noise = 0.1 * np.sqrt(np.mean(np.diff(wall, axis=1) ** 2))
-        heights = wall + noise * np.random.default_rng(seed).standard_normal(wall.shape)
-        assert resolution_remarks(scan_of(wall), wall, SPACING)
-        (line,) = resolution_remarks(scan_of(heights), heights, SPACING)
-        assert "noise of the scanner is understated" in line
-        low, high = noise_of_scan(scan_of(heights))
-        assert low <= noise <= high < 3.0 * noise
-
-
-def test_the_end_of_a_spectrum_is_that_of_the_circle():
-    wall, _ = jc.wall_pair(8.0, (160, 160), SPACING, 7, roll_off=None, unusual_values=True)
-    end = spectrum_end(scan_of(ended(wall, 0.8)[:80, :80] + 2e-6 * np.random.default_rng(7)
-                               .standard_normal((80, 80))))  # fmt: skip
-    assert end.wave == pytest.approx(2.0 * SPACING / 0.8, rel=0.07)
-    assert end.noise == pytest.approx(2e-6, rel=0.15)
-    assert not spectrum_end(scan_of(wall)).clear
-    assert spectrum_end(scan_of(wall[:20])) is None
-    assert spectrum_end(scan_of(np.zeros((40, 40)))) is None
-    assert spectrum_end(Scan(wall, (SPACING, 2.0 * SPACING), None)) is None
-
-
 def test_errors_of_a_pair_are_those_of_its_fit():
     upper, lower = jc.wall_pair(8.0, SHAPE, SPACING, 1, roll_off=None, mismatch_wavelength=1e-3,
                                 unusual_values=True)  # fmt: skip
@@ -263,134 +169,10 @@ def test_errors_of_a_pair_are_those_of_its_fit():
     assert not left.errors.offset.any()
 
 
-def scan_of(wall):
-    return Scan(wall, (SPACING, SPACING), (0.0, 0.0))
-
-
 def as_scanned(upper, lower, **stated):
     return registered(
         scan_of(upper), scan_of(lower), orientation="towards", shift="scanned", **stated
     )
-
-
-FILTERS = {
-    "mean": lambda wall: scipy.ndimage.uniform_filter(wall, 3),
-    "mean, rounded": lambda wall: np.round(scipy.ndimage.uniform_filter(wall, 3), 6),
-    "median": lambda wall: scipy.ndimage.median_filter(wall, 3),
-    "Gaussian": lambda wall: scipy.ndimage.gaussian_filter(wall, 1.0),
-    "Gaussian along y": lambda wall: scipy.ndimage.gaussian_filter1d(wall, 1.0, axis=0),
-}
-
-
-@pytest.mark.parametrize("name", FILTERS)
-def test_the_shortest_wave_of_a_filtered_scan_is_that_of_half_of_the_power(name, walls):
-    cells = 7.5 if name.startswith("Gaussian") else 6.4
-    scan = scan_of(FILTERS[name](walls[1]))
-    assert shortest_wave(scan) == pytest.approx(cells * SPACING, rel=0.25)
-    assert "holds nothing below" in " ".join(resolution_remarks(scan, scan.heights, SPACING))
-    assert not resolution_remarks(scan, scan.heights, 5.0 * SPACING)
-
-
-@pytest.mark.parametrize("hurst", [0.5, 0.7, 0.9])
-@pytest.mark.parametrize("noise", [0.0, 5e-6])
-def test_undamaged_scans_receive_no_warning(hurst, noise):
-    for seed, roll_off in ((1, None), (2, 3e-3)):
-        fine = jc.wall_pair(
-            8.0, (128, 160), SPACING / 2, seed, hurst=hurst, roll_off=roll_off, unusual_values=True
-        )
-        for wall in noisy((fine[0][::2, ::2], fine[1][:64, :80]), noise):
-            scan = inspected(scan_of(wall))
-            assert not [*scan.remarks, *resolution_remarks(scan, wall, SPACING)]
-            np.testing.assert_array_equal(scan.heights, wall)
-
-
-@pytest.fixture(params=[1e-6, 1e-4])
-def rounded(request, walls):
-    """A step, and a scan whose heights are rounded to it."""
-    return request.param, scan_of(np.round(walls[1] / request.param) * request.param)
-
-
-def test_rounding_of_heights_is_measured(rounded):
-    step, scan = rounded
-    assert rounding_of(scan).heights == pytest.approx(step, rel=1e-6)
-
-
-def test_rounding_of_heights_is_compared_with_the_slope_that_it_raises(rounded, walls):
-    step, scan = rounded
-    remarks = resolution_remarks(scan, scan.heights, SPACING)
-    assert len(remarks) == (step > 1e-5)
-    if remarks:
-        slopes = [rms_slope(wall, SPACING) for wall in (walls[1], scan.heights)]
-        low, high = map(float, re.search(r"from ([\d.]+) to ([\d.]+),", remarks[0]).groups())
-        assert (low, high) == (pytest.approx(slopes[0], rel=0.05), pytest.approx(slopes[1], 1e-2))
-
-
-def inclined_grid(wall, degrees):
-    return wall + np.tan(np.radians(degrees)) * SPACING * np.indices(wall.shape)[1]
-
-
-def inclined_points(wall, degrees):
-    points = points_of(scan_of(wall))
-    return scipy.spatial.transform.Rotation.from_euler("y", degrees, degrees=True).apply(points)
-
-
-def test_rounding_of_an_inclined_grid_is_that_of_the_heights_as_read(walls):
-    rounded = [np.round(inclined_grid(wall, 19.0), 4) for wall in (1e-3 - walls[0], walls[1])]
-    pair = registered(*map(scan_of, rounded), orientation="common_frame", shift="scanned")
-    assert "the scan was turned until it lies level" in " ".join(pair.remarks)
-    assert sum("heights are multiples of 100 um" in line for line in pair.warnings) == 2
-    assert pair.rounding == pytest.approx(1e-4 * np.sqrt(2.0 / 12.0), rel=1e-6)
-
-
-def test_spikes_that_are_cut_do_not_change_the_spacing_of_the_joint(walls):
-    points = [points_of(scan_of(wall)) for wall in (1e-3 - walls[0], walls[1])]
-    random = np.random.default_rng(1)
-    for cloud in points:
-        cloud[:, :2] += 0.3 * SPACING * random.standard_normal((len(cloud), 2))
-    known = {"orientation": "common_frame", "shift": "scanned"}
-    whole = registered(*map(Cloud, points), **known)
-    for cloud in points:
-        cloud[2000:6000:80, 2] += 2e-3
-    spiky = registered(*map(Cloud, points), **known)
-    assert "of 9216 points are spikes" in " ".join(spiky.remarks)
-    assert spiky.spacing == whole.spacing
-
-
-@pytest.mark.parametrize("filtered", [True, False])
-def test_a_filter_shows_in_points_that_lie_on_a_grid_once_they_are_level(filtered, walls):
-    given = [FILTERS["mean"](wall) if filtered else wall for wall in (1e-3 - walls[0], walls[1])]
-    clouds = [Cloud(inclined_points(wall, 19.0)) for wall in given]
-    pair = registered(*clouds, orientation="common_frame", shift="scanned")
-    assert sum("holds nothing below" in line for line in pair.warnings) == 2 * filtered
-    assert pair.waves == pytest.approx((6.4 * SPACING * filtered,) * 2, rel=0.25)
-    alone = registered("flat", clouds[1])
-    assert ("holds nothing below" in " ".join(alone.warnings)) == filtered
-
-
-@pytest.mark.parametrize("number", range(4))
-def test_a_grid_that_was_turned_and_tilted_shows_no_noise(number):
-    """Its distances along both directions are nearly equal, and walls differ by direction."""
-    wall, _ = jc.wall_pair(10.0, (64, 64), SPACING, number, roll_off=None)
-    y, x = SPACING * np.indices(wall.shape)
-    points = np.column_stack([x.ravel(), y.ravel(), wall.ravel()])
-    turned = points @ (rotation("z", 11.0) @ rotation("x", 3.0)).T
-    assert noise_of_points(Cloud(turned)) == 0.0
-
-
-@pytest.mark.parametrize("apart", [0.0, 0.1e-3])
-def test_passes_of_a_scanner_that_lie_apart_are_measured(apart):
-    fine = jc.wall_pair(8.0, (200, 200), SPACING / 4, 1, roll_off=None, unusual_values=True)[0]
-    passes = [
-        (place, fine[place::4, place::4] + height) for place, height in ((0, 0.0), (2, apart))
-    ]
-    points = [
-        np.column_stack(
-            [*(SPACING / 4 * (first + 4 * np.indices(w.shape)).reshape(2, -1)), w.ravel()]
-        )
-        for first, w in passes
-    ]
-    cloud = Cloud(np.concatenate(points))
-    assert noise_of_points(cloud) == pytest.approx(np.sqrt(0.5) * apart, rel=0.1)
 
 
 def rows_aside(wall):

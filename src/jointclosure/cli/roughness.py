@@ -16,15 +16,16 @@ from jointclosure.inputs import InputError, check_length, naming
 from jointclosure.inputs.remarks import caution, cautions, noted
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import point_distance, wall_on_grid
+from jointclosure.walls.interpolation_remarks import interpolation_remarks
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.missing_heights import LARGEST_FILLED_SHARE, MISSING, fill_missing
-from jointclosure.walls.outliers import remove_spikes
-from jointclosure.walls.plausibility import slope_doubts, smoothing_of, unit_doubts
+from jointclosure.walls.plausibility import unit_doubts
 from jointclosure.walls.profile_roughness import levelled_profile, measure_profile, read_profile
 from jointclosure.walls.registration import registered
 from jointclosure.walls.scan_defects import inspected
-from jointclosure.walls.scan_quality import resolution_remarks
+from jointclosure.walls.scan_quality import quality_of, quality_remarks
 from jointclosure.walls.scans import read_scan
+from jointclosure.walls.spikes import remove_spikes
 from jointclosure.walls.wall_roughness import Measure, measure_wall
 
 _MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"
@@ -62,15 +63,16 @@ def run(arguments: argparse.Namespace) -> int:
         step = getattr(arguments, "spacing", None) or point_distance(scan)
         wall = wall_on_grid(scan, step)
         smoothed = [
-            *smoothing_of(scan, wall, step),
-            *resolution_remarks(measured, wall, step, scan),
+            *interpolation_remarks(scan, wall, step),
+            *quality_remarks(quality_of(measured, scan), wall, step),
         ]
         wall = fill_missing(wall, arguments.missing, LARGEST_FILLED_SHARE)
         measures = measure_wall(wall, step)
     except InputError as error:
         reasons = [str(error), *cautions(scan.remarks)]
         raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
-    doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
+    units = unit_doubts({"wall": wall}, step)
+    doubts = units.impossible or units.unlike_rock
     remarks = [*scan.remarks, *smoothed, *map(caution, doubts)]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"

@@ -11,7 +11,7 @@ from jointclosure.parameters import Effects, Numerics
 from jointclosure.uncertainty.sources import OTHER_RULE
 from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for
 from jointclosure.walls import Walls
-from jointclosure.walls.wall_files import coarser_grid
+from jointclosure.walls.joint_grid import coarser_grid
 
 WINDOW = 128  # cells along a side of the window of the walls that is simulated to estimate the time
 EXPONENTS = (1.15, 1.75)

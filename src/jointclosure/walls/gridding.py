@@ -67,6 +67,19 @@ def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
     )
 
 
+def without_points(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
+    """Return a scan without the points ``cut``, bool (n,) in the order of `points_of`.
+
+    Points of a `Cloud` are left out, and cells of a `Scan` become missing; the given scan is not
+    changed.
+    """
+    if isinstance(scan, Cloud):
+        return scan._replace(points=scan.points[~cut])
+    left = scan.heights.copy()
+    left[np.isfinite(left)] = np.where(cut, np.nan, left[np.isfinite(left)])
+    return scan._replace(heights=left)
+
+
 def point_distance(scan: Scan | Cloud) -> float:
     """Return the distance of neighbouring points [m]: the larger one of a grid, a cloud's mean.
 

@@ -1,7 +1,7 @@
 """Levelling: rotation of inclined scans, so that heights are normal to the mean plane.
 
-Heights less an inclined plane are those of a sheared wall: its slopes along the dip are larger by
-1 / cos^2 of the inclination (12 % at 19 degrees), and its places closer by the cosine.
+Heights less an inclined plane belong to a sheared wall, with slopes along the dip larger by
+1 / cos^2 of the inclination (12 % at 19 degrees), and places closer by the cosine.
 """
 
 import math
@@ -11,22 +11,23 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.walls.gridding import Cloud, Scan, points_of
+from jointclosure.walls.interpolation_remarks import interpolation_remarks
 from jointclosure.walls.missing_heights import fill_with_nearest
 from jointclosure.walls.motion import Motion, levelling_rotation, moved_heights
 from jointclosure.walls.overlap import largest_rectangle
 from jointclosure.walls.planes import Plane, plane_through
-from jointclosure.walls.plausibility import smoothing_of
 from jointclosure.walls.scans.points import SCATTERED, lattice_of
 
 LEVEL = {Cloud: 2.0, Scan: 5.0}
 """Largest inclination [degrees] that is left: slopes along the dip are 0.1 and 0.8 % too large.
 
-Heights of a grid are interpolated when it is turned, which takes about 1 % of slopes at 5 degrees.
+A turned grid has interpolated heights, with slopes about 1 % smaller at 5 degrees.
 """
 STEEPEST = 45.0  # largest inclination [degrees] of a wall that is seen along z
 
 
 def _mean_plane(scan: Scan | Cloud) -> Plane:
+    """Return the least-squares plane of the known heights; `InputError` with fewer than four."""
     points = points_of(scan)
     known = points[np.isfinite(points[:, 2])]
     if len(known) < 4:
@@ -35,20 +36,22 @@ def _mean_plane(scan: Scan | Cloud) -> Plane:
 
 
 def slopes_of(scan: Scan | Cloud) -> tuple[float, float]:
-    """Return the slopes of a scan's mean plane along x and y."""
+    """Return the slopes of a scan's mean plane along x and y; `InputError` below four heights."""
     plane = _mean_plane(scan)
     return plane.slope_x, plane.slope_y
 
 
 def _inclination(plane: Plane) -> float:
+    """Return the angle [degrees] between a plane and the horizontal."""
     return math.degrees(math.atan(math.hypot(plane.slope_x, plane.slope_y)))
 
 
 def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cloud, Motion | None]:
-    """Return a scan turned until its mean plane is level, if that is inclined too much.
+    """Return a scan turned until its mean plane is level, if the plane is inclined too much.
 
-    Points are moved; they become a grid if they then lie on one. Heights of a grid are interpolated
-    at nodes of the same spacing by cubic splines, in the largest rectangle that the scan covers.
+    Points are moved, and become a grid if they lie on one after this. Heights of a grid are
+    interpolated at nodes of the same spacing by cubic splines, in the largest rectangle covered by
+    the scan; missing heights stay missing.
 
     Parameters
     ----------
@@ -60,7 +63,8 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
     Returns
     -------
     scan : Scan or Cloud
-        The level scan with a remark, or the given one.
+        The level scan, with a remark on the turn and, for a grid, one on slopes that interpolation
+        changed; or the given one.
     motion : Motion or None
         Rotation about the middle of the scan; None if it was left.
 
@@ -77,7 +81,10 @@ def levelled(scan: Scan | Cloud, beyond: float | None = None) -> tuple[Scan | Cl
 
 
 def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]:
-    """Return a scan turned until its mean plane is level, with a remark, and the rotation."""
+    """Return a scan turned until its mean ``plane`` is level, with remarks, and the rotation.
+
+    Raise `InputError` if the plane is inclined by more than `STEEPEST` degrees.
+    """
     tilt = _inclination(plane)
     if tilt > STEEPEST:
         raise InputError(
@@ -99,12 +106,12 @@ def _level_scan(scan: Scan | Cloud, plane: Plane) -> tuple[Scan | Cloud, Motion]
     moved = motion.moved(points[np.isfinite(points[:, 2])])
     low = np.array((grid.origin or (0.0, 0.0))[::-1])
     square = math.isclose(*grid.spacing, rel_tol=1e-6)
-    lost = smoothing_of(Cloud(moved), grid.heights, grid.spacing[0], low) if square else ()
+    lost = interpolation_remarks(Cloud(moved), grid.heights, grid.spacing[0], low) if square else ()
     return grid._replace(remarks=(*scan.remarks, remark, *lost)), motion
 
 
 def _grid_if_regular(cloud: Cloud) -> Scan | Cloud:
-    """Return points as the regular grid on which they lie, if they do."""
+    """Return points as the regular grid on which they lie, or as they are without such a grid."""
     grid = lattice_of(cloud.points)
     if grid is None or grid.heights is None:
         return cloud
@@ -115,7 +122,8 @@ def _grid_if_regular(cloud: Cloud) -> Scan | Cloud:
 def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
     """Return the heights of a grid after a motion, at nodes of the same spacing about its middle.
 
-    Of these the largest rectangle is kept that the moved grid covers.
+    The largest rectangle of nodes covered by the moved grid is kept. Heights are less the height of
+    the middle, and NaN where a missing height took part. ``plane`` is the grid's mean plane.
     """
     steps = np.array(scan.spacing[::-1])
     corners = points_of(scan._replace(heights=np.zeros_like(scan.heights)))
@@ -142,7 +150,8 @@ def _turned_grid(scan: Scan, motion: Motion, plane: Plane) -> Scan:
 def levelled_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
     """Return two scans of one frame turned level, so that their cells still lie on each other.
 
-    Both are turned if one of them is inclined. Of grids the cells are kept that both have then.
+    Both are turned if one of them is inclined. If both are grids with places, the cells common to
+    both are kept.
 
     Raises
     ------

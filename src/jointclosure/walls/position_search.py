@@ -18,7 +18,7 @@ from jointclosure.walls.surfaces import Surface, surface_of
 
 # All constants were chosen; the pairs of known truth of docs/two_scans.md were registered by them.
 ON_NODES = 0.02
-"""Largest distance [cells] by which the upper wall is displaced so that its nodes lie on those of
+"""Largest distance [cells] by which the upper wall is displaced, so that its nodes lie on nodes of
 the lower one and no heights are interpolated; twice the error of the fit, up to 0.5, if more."""
 MOST_CELLS = 500  # along a side of walls that are registered at the spacing of the scans
 IN_PLACE = 0.02
@@ -33,27 +33,34 @@ _TURNED_OVER = (
 
 
 class BestFit(NamedTuple):
-    """Orientation of the upper wall, the best fit of each orientation, and the refined one."""
+    """Best fit of the upper wall to the lower one."""
 
-    orientation: str
-    fits: list[SlopeFit]  # the best first; none if a wall is flat
-    mated: Motion | None  # None if the fit is ambiguous or a wall is flat
-    remarks: list[str]
+    orientation: str  # of the upper wall, stated or found
+    fits: list[SlopeFit]  # of slopes, the best of each orientation, the best first; none if flat
+    mated: Motion | None  # refined by heights; None if the fit is ambiguous or a wall is flat
+    remarks: list[str]  # on the orientation
 
 
 class Position(NamedTuple):
-    """Position of the upper wall in the frame of the lower one."""
+    """Position of the upper wall in the frame of the lower one, and the fit that led to it."""
 
     motion: Motion  # from where the upper wall was scanned
     in_frame: bool  # whether both scans have one frame, in which the walls lie as scanned
-    remarks: list[str]
+    fit: BestFit  # from which the position was taken, unless the walls stay as scanned
+    remarks: list[str]  # on the fit, then on the position
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether least squares of heights confirm the fit of slopes, if there is one."""
+        mated = self.fit.mated
+        return mated is None or bool(np.isfinite(mated.covariance).all())
 
 
 class _ComparedFits(NamedTuple):
     """Fits of slopes over all rotations and orientations."""
 
     fits: list[SlopeFit]  # the best of each orientation, the best first
-    second: SlopeFit  # the second best of all that is another fit than the best
+    second: SlopeFit  # the second best of all fits, as far as it is another one than the best
     clear: bool  # whether the best is `CLEAR` times the second
 
     @property
@@ -62,27 +69,44 @@ class _ComparedFits(NamedTuple):
         return self.fits[0]
 
 
-def best_fit(
-    prepared: PreparedScans, sampled: SampledScans, spacing: float, options: RegistrationOptions
+def found_position(
+    prepared: PreparedScans, sampled: SampledScans, options: RegistrationOptions
+) -> Position:
+    """Find where the upper wall lies in the frame of the lower one: as scanned, or of best fit.
+
+    A flat wall is not fitted, and lies as the other one was scanned. Raise `InputError` if the fit
+    is ambiguous and the orientation not stated. Unless values may be unusual, raise it also if a
+    stated orientation fits clearly worse than another one, or walls that are left as scanned are
+    rotated against each other. A fit that heights do not confirm is not refused here, because
+    heights in a wrong unit, which have a better error message, may be the reason.
+    """
+    fit = _best_fit(prepared, sampled, options)
+    return _position_of(fit, prepared, sampled, options)
+
+
+def _best_fit(
+    prepared: PreparedScans, sampled: SampledScans, options: RegistrationOptions
 ) -> BestFit:
     """Fit the upper wall to the lower one on a grid with the distance of the scanned points.
 
-    The shortest waves mate least, so a fit on a finer grid than that of the joint, with its
-    ``spacing`` [m], is the better one; beyond `MOST_CELLS` along a side it is made on the grid of
-    the joint. A flat wall has its orientation alone. Raise `InputError` if the fit is ambiguous and
-    the orientation not stated, or a stated orientation fits clearly worse.
+    The shortest waves mate least, so a fit on a finer grid than the grid of the joint is the better
+    one; beyond `MOST_CELLS` along a side the fit is made on the grid of the joint. A flat wall has
+    an orientation alone. Raise `InputError` if the fit is ambiguous and the orientation not stated,
+    or a stated orientation fits clearly worse.
     """
     if prepared.flat_side:
         remark = f"the {prepared.flat_side} wall is flat, parallel to the mean plane of the other"
         return BestFit(options.orientation or "common_frame", [], None, [remark])
     points = (sampled.upper_points, sampled.lower_points)
     longest = max(np.ptp(part[:, :2], axis=0).max() for part in points)
-    cell = prepared.distance if longest < MOST_CELLS * prepared.distance else spacing
-    fitted = prepared if cell == prepared.distance else sampled
-    level, levelling = levelled(fitted.upper, LARGEST_TILT)
-    upper, lower = (
-        surface_of(points_of(scan, missing=True), cell) for scan in (level, fitted.lower)
+    cell = prepared.distance if longest < MOST_CELLS * prepared.distance else prepared.spacing
+    above, below = (
+        (prepared.upper.scan, prepared.lower.scan)
+        if cell == prepared.distance
+        else (sampled.upper, sampled.lower)
     )
+    level, levelling = levelled(above, LARGEST_TILT)
+    upper, lower = (surface_of(points_of(scan, missing=True), cell) for scan in (level, below))
     fit = _oriented_fit(upper, lower, options)
     if fit.mated is not None and levelling is not None:
         return fit._replace(mated=fit.mated.after(levelling))
@@ -90,7 +114,11 @@ def best_fit(
 
 
 def _oriented_fit(upper: Surface, lower: Surface, options: RegistrationOptions) -> BestFit:
-    """Find orientation and motion of best fit; no motion if the fit is ambiguous and not needed."""
+    """Find orientation and motion of best fit; no motion if the fit is ambiguous and not needed.
+
+    Raise `InputError` if the fit is ambiguous and the orientation not stated, or a stated
+    orientation fits clearly worse.
+    """
     compared = _compared_fits(upper, lower)
     best = compared.best
     if not compared.clear and options.orientation is None:
@@ -132,9 +160,9 @@ def _compared_fits(upper: Surface, lower: Surface) -> _ComparedFits:
 
 
 def _wrong_orientation(best: SlopeFit, options: RegistrationOptions) -> str:
-    """Return a warning of a stated orientation, if another one has the ``best`` and a clear fit.
+    """Return a warning of a stated orientation, where another one has the ``best`` and clear fit.
 
-    Raise it as `InputError` unless unusual values are allowed.
+    Raise `InputError` with the same words unless values may be unusual.
     """
     better = (
         f"orientation = {options.orientation!r}: {best.orientation} fits clearly better, and "
@@ -147,7 +175,7 @@ def _wrong_orientation(best: SlopeFit, options: RegistrationOptions) -> str:
 
 
 def _remedy(best: SlopeFit, second: SlopeFit) -> str:
-    """Say how two fits of mating walls differ, and how one of them is chosen."""
+    """Say how two fits of mating walls differ, and how to choose one of both."""
     if second.orientation != best.orientation:
         return (
             f"if they mate, the orientation is {best.orientation} or {second.orientation}: state "
@@ -166,11 +194,12 @@ def _remedy(best: SlopeFit, second: SlopeFit) -> str:
 
 
 def _second_fit(upper: Surface, lower: Surface, tried: list[SlopeFit]) -> SlopeFit:
-    """Return the second best of all fits, the best first, or the next one if it is the same fit.
+    """Return the second best of fits, listed the best first, as far as it is not the best one.
 
     The peak of the correlation about a rotation is broad on walls with long waves or of few cells,
-    so that it can contain two fits whose angles differ by more than `DIFFERENT_ROTATIONS`. They
-    count as one if both, refined by heights, lead to the same position within a cell.
+    and can contain two fits with angles that differ by more than `DIFFERENT_ROTATIONS`. Both count
+    as one if least squares of heights lead from both to the same position within a cell; the next
+    fit beyond the peak is then the second best.
     """
     best = tried[0]
     second = next(fit for fit in tried if fit.differs_from(best))
@@ -186,25 +215,22 @@ def _second_fit(upper: Surface, lower: Surface, tried: list[SlopeFit]) -> SlopeF
     return second
 
 
-def position_of(
-    fit: BestFit,
-    prepared: PreparedScans,
-    sampled: SampledScans,
-    spacing: float,
-    options: RegistrationOptions,
+def _position_of(
+    fit: BestFit, prepared: PreparedScans, sampled: SampledScans, options: RegistrationOptions
 ) -> Position:
     """Return where the upper wall is laid: as it was scanned, or in the position of best fit.
 
     The upper wall is not lifted by the motion of best fit, as walls are set to first touch later.
-    Its nodes are laid on those of the lower wall where that moves them by less than `ON_NODES` or
-    twice the error of the fit. Raise `InputError` if walls in their scanned position are rotated
-    against each other.
+    Its nodes are laid on nodes of the lower wall if they move by less than `ON_NODES` or twice the
+    error of the fit. Raise `InputError` if walls in their scanned position are rotated against each
+    other, unless values may be unusual.
     """
+    spacing = prepared.spacing
     scanned = flip_about_middle(sampled.upper_points, FLIPS[fit.orientation])
     if prepared.flat_side:
-        return Position(scanned, in_frame=False, remarks=[])
-    if prepared.levelling is not None:
-        scanned = prepared.levelling.after(scanned)
+        return Position(scanned, False, fit, fit.remarks)
+    if prepared.lower.levelling is not None:
+        scanned = prepared.lower.levelling.after(scanned)
     reach = 0.5 * np.ptp(sampled.upper_points[:, :2], axis=0)
     mated = fit.mated
     in_place = mated is None or mated.corner_distance(scanned, reach) < IN_PLACE * reach.max()
@@ -213,20 +239,22 @@ def position_of(
         remarks = ["the walls were left in their scanned position"]
         if mated is not None and np.isfinite(mated.covariance).all():
             remarks += _rotation_remarks(mated, reach, spacing, options.unusual_values)
-        return Position(scanned, in_frame, remarks)
+        return Position(scanned, in_frame, fit, fit.remarks + remarks)
     motion = mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
-    if isinstance(prepared.upper, Scan):
+    if isinstance(prepared.upper.scan, Scan):
         most = min(max(ON_NODES * spacing, 2.0 * mated.corner_error(reach)), 0.5 * spacing)
         corner = sampled.lower_points[:, :2].min(axis=0)
-        motion = laid_on_nodes(motion, prepared.upper, corner, most)
-    return Position(motion, in_frame, [f"the upper wall was {mated}, to the position of best fit"])
+        motion = laid_on_nodes(motion, prepared.upper.scan, corner, most)
+    moved = f"the upper wall was {mated}, to the position of best fit"
+    return Position(motion, in_frame, fit, [*fit.remarks, moved])
 
 
 def _rotation_remarks(mated: Motion, reach: np.ndarray, spacing: float, unusual: bool) -> list[str]:
     """Describe the best fit of walls in their scanned position, and warn of a rotation.
 
-    A rotation lets the local shift of the walls grow from the middle. Raise `InputError` if that is
-    clear, and unusual values are not allowed.
+    A rotation lets the local shift of the walls grow from the middle up to ``reach`` (x, y) [m],
+    half of the sides of the upper wall. Raise `InputError` if the shift is clear on walls of more
+    than 80 cells of the ``spacing`` [m], unless ``unusual`` values are allowed.
     """
     remarks = [f"best fit with the upper wall {mated}"]
     error = mated.standard_errors()[0]
@@ -241,13 +269,3 @@ def _rotation_remarks(mated: Motion, reach: np.ndarray, spacing: float, unusual:
             raise InputError(f"{turned}; leave shift: scanned out; {AS_IT_IS}")
         remarks.append(caution(turned))
     return remarks
-
-
-def check_found(fit: BestFit) -> None:
-    """Refuse a fit of slopes that least squares of heights do not confirm."""
-    if fit.mated is not None and not np.isfinite(fit.mated.covariance).all():
-        raise InputError(
-            f"the fit of the walls is ambiguous: slopes correlate by {fit.fits[0]}, but least "
-            "squares of heights find no position there; walls that do not mate need "
-            "shift: scanned"
-        )

@@ -16,16 +16,16 @@ _WIDTHS = (5.5, 6.4, 8.0, 10.0)
 """Widths of an overlap [mismatch wavelengths] at which errors of fits were measured."""
 _ERRORS_OF_FITS = (2.4, 1.55, 1.15, 1.0)
 """Errors of rotation and shift over their standard errors by the fit at these `_WIDTHS` (rms of the
-three errors of 24 pairs of walls each, benchmarks/results/registration_small_*; from 10 on those of
-benchmarks/results/registration). On walls of 4.6 wavelengths they are as at 5.5."""
+three errors of 24 pairs of walls each, benchmarks/results/registration_small_*; from 10 on, from
+benchmarks/results/registration). Walls of 4.6 wavelengths have the same errors as at 5.5."""
 
 
 class FineWalls(NamedTuple):
-    """Registered walls on a finer grid than that of the joint, which the scans do not resolve."""
+    """Registered walls on a grid finer than the joint's, not resolved by the scans."""
 
     upper: np.ndarray  # heights (y, x) [m] towards the other wall
-    lower: np.ndarray
-    holes: np.ndarray
+    lower: np.ndarray  # heights (y, x) [m] towards the other wall
+    holes: np.ndarray  # cells (y, x) in which a scan has no height, bool
     step: int  # spacing of the joint, in cells of this grid
 
 
@@ -33,31 +33,31 @@ class RegisteredPair(NamedTuple):
     """Two registered walls on a grid; places are (y, x), except for ``first``."""
 
     upper: np.ndarray  # heights (y, x) [m] towards the other wall
-    lower: np.ndarray
-    spacing: float  # [m]
+    lower: np.ndarray  # heights (y, x) [m] towards the other wall
+    spacing: float  # of the grid [m]
     aperture: np.ndarray  # distance (y, x) [m] at first touch
-    first_touch_cell: tuple[int, int]
-    orientation: str
-    fits: list[SlopeFit]  # the best of each orientation, the best first
+    first_touch_cell: tuple[int, int]  # number (y, x) of the first cell in contact
+    orientation: str  # of the upper scan, stated or found
+    fits: list[SlopeFit]  # the best of each orientation, the best first; none with a flat wall
     motion: Motion  # applied to the upper wall
-    mated: Motion | None  # that of best fit
+    mated: Motion | None  # motion of best fit; None if the fit is ambiguous or a wall is flat
     correlation: float  # of heights
-    mating: Mating
-    mismatch: Mismatch
-    overlap_share: float  # of the smaller scan
-    holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there
+    mating: Mating  # correlation of both walls by wavelength
+    mismatch: Mismatch  # wavelength beyond which the walls mate
+    overlap_share: float  # share of the smaller scan in the walls
+    holes: np.ndarray  # cells (y, x) out of contact, as a scan has no height there, bool
     first: np.ndarray  # place (x, y) [m] of the first cell in the lower scan
-    remarks: list[str]  # results of the registration in sentences
-    fine: FineWalls | None = None
+    remarks: list[str]  # results of the registration in sentences; warnings are a `Caution`
+    fine: FineWalls | None = None  # on the usual grid, if the scans only resolve a coarser one
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
     lost_square_slope: float = 0.0
     """Mean square slope [1] of both walls over a cell of the finest grid that interpolation took,
-    by the slopes between scanned points (`plausibility.slopes_by_interpolation`)."""
-    scale: float = 1.0  # heights of the upper wall over those of the lower one, 1 unless clear
+    by the slopes between scanned points (`interpolation_remarks.slopes_by_interpolation`)."""
+    scale: float = 1.0  # heights of the upper wall over heights of the lower one, 1 unless clear
     scan_noise: tuple[tuple[str, float, float], ...] = ()
     """Name of each scanned wall, and the ends [m] of the 95 % interval of the standard deviation of
-    its white noise, NaN if it is not known (`jointclosure.walls.scan_quality.noise_of_scan`)."""
+    white noise, NaN if not known (`jointclosure.walls.scan_quality.ScanQuality`)."""
 
     @property
     def warnings(self) -> list[Caution]:
@@ -67,10 +67,11 @@ class RegisteredPair(NamedTuple):
     def _noise_of_sum(self, walls: Walls) -> tuple[float, float]:
         """Return the smallest and largest estimate [m] of the noise of the sum of both walls.
 
-        It comes from the spectra (`noise_of`): all by which the walls depart from each other at the
-        shortest waves of the grid. Part of that may be roughness that is too short for the grid,
-        which interpolation of a turned wall replaces by other roughness. Where the noise of all
-        scans was measured, it is at least that, and that where the spectra show none.
+        ``walls`` are on the finest grid. The estimate comes from the spectra (`noise_of`): all by
+        which the walls depart from each other at the shortest waves of the grid. A part may be
+        roughness too short for the grid, replaced by other roughness where a turned wall was
+        interpolated. If the noise of all scans was measured, the estimate is at least the measured
+        noise, and equal to it if the spectra show none.
         """
         low, high = noise_of(*walls)
         intervals = np.array([ends for _, *ends in self.scan_noise]).reshape(-1, 2)
@@ -92,7 +93,7 @@ class RegisteredPair(NamedTuple):
         """Factor from standard errors of the fit to those of rotation and shift in `errors`.
 
         Few waves of the walls fit each other on an overlap of few mismatch wavelengths, and the
-        residuals of the fit show less than its error. The factor was measured (`_ERRORS_OF_FITS`).
+        residuals of the fit show less than the error. The factor was measured (`_ERRORS_OF_FITS`).
         """
         return float(np.interp(self.mismatch_wavelengths, _WIDTHS, _ERRORS_OF_FITS))
 
@@ -100,8 +101,8 @@ class RegisteredPair(NamedTuple):
     def finest(self) -> FineWalls:
         """Walls on the finest grid of the scans, to which the ``errors`` refer.
 
-        It is the grid of the joint, unless the scans do not resolve it and the joint has a coarser
-        one.
+        The walls themselves, unless the scans do not resolve the finest grid and the joint has a
+        coarser one.
         """
         return self.fine or FineWalls(self.upper, self.lower, self.holes, 1)
 
@@ -109,7 +110,9 @@ class RegisteredPair(NamedTuple):
     def errors(self) -> ScanErrors:
         """Standard errors of the position, 0 if the walls stayed as scanned, and of the heights.
 
-        Those of the position are those of the fit times the `error_factor`.
+        Lengths are in cells of the finest grid, angles in rad. Errors of the position are the
+        errors of the fit times the `error_factor`. Rounding counts as noise only if it changes the
+        sum of both walls.
         """
         fine = self.finest
         walls = (fine.upper, fine.lower)

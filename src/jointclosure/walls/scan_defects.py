@@ -12,8 +12,8 @@ import scipy
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.walls.gridding import Cloud, Scan
-from jointclosure.walls.outliers import remove_plateaus
-from jointclosure.walls.scan_quality import step_of
+from jointclosure.walls.plateaus import remove_plateaus
+from jointclosure.walls.rounding import step_of
 
 LARGEST_BLOCK = 4  # cells along a side of blocks of equal heights that are looked for
 SMOOTH = 0.03

@@ -3,9 +3,9 @@
 Walls are drawn as other scans could show them: displaced by the errors of the fit, and with another
 noise, as samples of the heights that are possible for the scanned ones. Interpolation on the grid
 takes a power L of short waves from both walls together, and noise adds a power N. Walls of
-coherence c have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much of N is in
-their power is not known: waves shorter than twice the spacing appear in it as they do in the true
-heights, unless they are those of both walls.
+coherence c have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much
+of N is in their power is not known: waves shorter than twice the spacing appear in it as they do in
+the true heights, unless they are those of both walls.
 
 Waves that a filter took from a scan are drawn by a self-affine law from the waves that it holds.
 """

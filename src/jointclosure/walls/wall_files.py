@@ -5,20 +5,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.length_units import size_of
 from jointclosure.inputs.remarks import caution
-from jointclosure.statistics.number_texts import grid_text
-from jointclosure.walls.gridding import FLAT, Cloud, Scan
+from jointclosure.walls.flat_walls import walls_not_flat
+from jointclosure.walls.gridding import Cloud, Scan
+from jointclosure.walls.joint_grid import LARGEST
+from jointclosure.walls.prepared_scans import SIDES
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.registration import registered_by
 from jointclosure.walls.registration_options import RegistrationOptions
 from jointclosure.walls.scans import read_scan
 
-LARGEST = 1000 * 1000  # most cells of a joint without a stated grid spacing
-SUGGESTED = 200  # cells along the longer side for which a coarser spacing is suggested
 Wall = str | Path | Sequence[str | Path] | Scan | Cloud
 """A wall: file or three files of x, y and heights, scan, or "flat"."""
 
@@ -32,35 +30,66 @@ def registered_walls(
 ) -> RegisteredPair:
     """Read and register two walls; the message of an error names their files.
 
-    ``scans`` are keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower);
-    ``options`` are those of `RegistrationOptions`. A stated ``spacing`` [m] was checked before;
-    without one the joint may have `LARGEST` cells.
+    Options, the types of the walls, and flat walls are checked before a file is read. Walls whose
+    files have names in the other order receive a warning.
+
+    Parameters
+    ----------
+    upper, lower : Wall
+        A file, three files of x, y and heights, a `Scan` or `Cloud`, or "flat".
+    scans : mapping
+        Keywords of `jointclosure.read_scan`, each one value or a pair (upper, lower); ignored for a
+        wall that is no file.
+    spacing : float, optional
+        Stated grid spacing [m], checked before. Without it the joint may have `LARGEST` cells.
+    **options
+        Fields of `RegistrationOptions`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or as `jointclosure.walls.registration.registered`.
     """
     for name, value in scans.items():
         if isinstance(value, tuple | list) and len(value) != 2:
             raise InputError(f"{name} = {value!r}: must be one value, or one for each wall")
-    checked = RegistrationOptions(**options)  # before files are read
-    above, below = (
-        read_wall(wall, **{k: v[n] if isinstance(v, tuple | list) else v for k, v in scans.items()})
-        for n, wall in enumerate((upper, lower))
-    )
+    checked = RegistrationOptions(**options)
+    walls = walls_not_flat(upper, lower, checked.orientation)
+    for wall in walls.values():
+        _check_type(wall)
+    read = {side: _read_wall(wall, side, scans) for side, wall in walls.items()}
+    most_cells = LARGEST if spacing is None else None
     if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
-        pair = registered_by(checked, above, below, spacing)
-    else:
-        names = (
-            ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
-            for wall in (upper, lower)
-        )
-        with naming(" and ".join(names)), _naming_units(scans.get("units")):
-            pair = registered_by(checked, above, below, spacing)
-        pair.remarks.extend(order_cautions(upper, lower))
-    check_cells(pair.upper.shape, pair.spacing, spacing is not None)
+        return registered_by(checked, read, spacing, most_cells)
+    names = (
+        ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
+        for wall in (upper, lower)
+    )
+    with naming(" and ".join(names)), _naming_units(scans.get("units")):
+        pair = registered_by(checked, read, spacing, most_cells)
+    pair.remarks.extend(order_cautions(upper, lower))
     return pair
+
+
+def _read_wall(wall: Wall, side: str, scans: Mapping[str, Any]) -> Scan | Cloud:
+    """Return the scan of a side from its file, or the given scan.
+
+    ``scans`` are as for `registered_walls`. Raise `InputError` if the file cannot be read.
+    """
+    if isinstance(wall, Scan | Cloud):
+        return wall
+    number = SIDES.index(side)
+    return read_scan(
+        wall, **{k: v[number] if isinstance(v, tuple | list) else v for k, v in scans.items()}
+    )
 
 
 @contextmanager
 def _naming_units(units: Any) -> Iterator[None]:
-    """Add to an `InputError` that both walls have other units, if they do."""
+    """Add to an `InputError` that the units stated for both walls differ, if they do.
+
+    ``units`` are one unit or a pair (upper, lower).
+    """
     try:
         yield
     except InputError as error:
@@ -73,7 +102,10 @@ def _naming_units(units: Any) -> Iterator[None]:
 
 
 def order_cautions(upper: Wall, lower: Wall) -> list[str]:
-    """Return a warning if the names of two files say that the walls are in the wrong order."""
+    """Return a warning if the names of two files say that the walls are in the wrong order.
+
+    The upper wall's file is named "lower" and the lower wall's "upper"; other names are ignored.
+    """
     names = [
         Path(wall).stem.lower() if isinstance(wall, str | Path) else "" for wall in (upper, lower)
     ]
@@ -88,34 +120,10 @@ def order_cautions(upper: Wall, lower: Wall) -> list[str]:
     ]
 
 
-def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
-    """Raise `InputError` for more than `LARGEST` cells, unless the grid spacing [m] was stated."""
-    cells = shape[0] * shape[1]
-    if cells > LARGEST and not stated:
-        raise InputError(
-            f"{grid_text(shape, spacing)}: must be at most {LARGEST:,} cells unless the grid "
-            f"spacing is stated; {coarser_grid(shape, spacing)}"
-        )
-
-
-def coarser_grid(shape: tuple[int, int], spacing: float) -> str:
-    """Suggest a multiple of the spacing [m] at which a joint has about `SUGGESTED` cells a side."""
-    step = max(int(np.ceil(max(shape) / SUGGESTED)), 2)
-    return (
-        f"a grid spacing of {1e3 * step * spacing:.4g} mm (--spacing, or spacing= in m) takes "
-        "less, but a cell is an asperity: its effect is in the range with other choices"
-    )
-
-
-def read_wall(wall: Wall, **stated: Any) -> Scan | Cloud | str:
-    """Return a scan or "flat", read from its file; keywords as for `jointclosure.read_scan`."""
-    if isinstance(wall, Scan | Cloud):
-        return wall
-    if isinstance(wall, str | Path) and str(wall) == FLAT:
-        return FLAT
-    if not isinstance(wall, str | Path | tuple | list):
+def _check_type(wall: Wall) -> None:
+    """Raise `InputError` if a wall is neither a scan, nor a file, nor several files."""
+    if not isinstance(wall, Scan | Cloud | str | Path | tuple | list):
         raise InputError(
             f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
             "walls that are arrays, with heights towards each other, are closed by simulate"
         )
-    return read_scan(wall, **stated)

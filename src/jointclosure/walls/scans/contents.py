@@ -12,7 +12,8 @@ from jointclosure.inputs import SPELT, UNITS, InputError, size_of
 from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
 from jointclosure.walls.gridding import Cloud, Scan, points_of
-from jointclosure.walls.outliers import neighbour_pairs, zeros_are_contacts
+from jointclosure.walls.neighbours import neighbour_pairs
+from jointclosure.walls.plateaus import zeros_are_contacts
 from jointclosure.walls.scans.sheet import check_precision_of_heights
 
 LARGEST_ARRAY = 800_000_000  # most bytes of an array in double precision; chosen

@@ -10,8 +10,7 @@ from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.statistics.number_texts import percent
 from jointclosure.walls.gridding import Cloud
 from jointclosure.walls.missing_heights import in_gaps
-from jointclosure.walls.outliers import patch_numbers, stray_points, unique_places
-from jointclosure.walls.scan_quality import step_of
+from jointclosure.walls.rounding import step_of
 from jointclosure.walls.scans.contents import (
     Contents,
     missing_heights,
@@ -19,6 +18,7 @@ from jointclosure.walls.scans.contents import (
     missing_values,
 )
 from jointclosure.walls.scans.sheet import TWO_WALLS, check_one_patch, check_sheet
+from jointclosure.walls.stray_points import patch_numbers, stray_points, unique_places
 
 LARGEST_OFFSET = 0.05  # largest distance of a point from its node, in steps, by rounding
 MOST_MOVED = 0.25  # of scattered points: slopes (H = 0.8) are then up to 2 % too large

@@ -10,7 +10,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.number_texts import percent
-from jointclosure.walls.scan_quality import step_of
+from jointclosure.walls.rounding import step_of
 
 _SAMPLE = 2000  # most points whose neighbours are compared
 _NEIGHBOURS = 12  # of a point, so many that both sheets have some
