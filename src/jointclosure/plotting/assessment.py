@@ -77,8 +77,9 @@ def _largest_ends(settings: pd.DataFrame) -> pd.DataFrame:
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
     """Draw the errors [%] of settings over their processor time [s], and the requested accuracy.
 
-    ``settings`` is as from `_largest_limits`, ``within`` the request [%]. A setting has a mark for
-    each cycle, with its number; they are joined by a line.
+    ``settings`` has a row for each ``variant`` and ``cycle``, with ``error_percent`` and
+    ``seconds``; ``within`` is the request [%]. A setting has a mark for each cycle, with the number
+    of the cycle; they are joined by a line.
     """
     colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
     names = list(dict.fromkeys(settings.variant))
