@@ -197,12 +197,14 @@ def _rows(
     rows = pairs.copy()
 
     def simulate(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
+        """Simulate the joints at some places, and put their rows into ``rows``."""
         tasks = [(pairs[place], reading) for place in places]
         for done, (at, row) in enumerate(in_processes(simulate_row, tasks, workers), start=1):
             rows[places[at]] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
 
     def numbers_of(kind: type[Exception]) -> list[int]:
+        """Return the places of the joints that were not simulated because of a kind of error."""
         return [i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), kind)]
 
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]

@@ -59,7 +59,10 @@ class CurveColumn(NamedTuple):
 
 
 class MeasuredCurve(NamedTuple):
-    """Points (n,) of a measured curve: stress [Pa], closure [m], cycle, and line in the file."""
+    """Points (n,) of a measured curve: stress [Pa], closure [m], cycle, and line in the file.
+
+    They are in the order of measurement; cycles are numbered from 1.
+    """
 
     stress: np.ndarray
     closure: np.ndarray
@@ -68,7 +71,7 @@ class MeasuredCurve(NamedTuple):
 
     @property
     def cycles(self) -> list[int]:
-        """Return the measured cycles, ascending."""
+        """Numbers of the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
     def ascending(self, cycle: int) -> dict[str, dense_logs.MeasuredBranch]:

@@ -60,7 +60,11 @@ class Agreement(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Fit of a joint to a measured curve; intervals are valid only for the joint ``assumed``."""
+    """Fit of a joint to a measured closure curve, as `jointclosure.fit` returns it.
+
+    Its intervals are valid only for the joint that is described by ``assumed``, and only if the
+    model explains the curve (`interval_holds`).
+    """
 
     mismatch_wavelength: Interval  # [m], 95 %: from 0 mates, to infinity independent, are allowed
     compressive_strength: Interval | None  # [Pa]
@@ -81,7 +85,7 @@ class Fit(NamedTuple):
 
     @property
     def reached(self) -> bool:
-        """Whether the model explains the curve, and joints have all first-loading readings."""
+        """Whether the model explains the curve, and joints have all quantities of first loading."""
         return self.interval_holds and not self._missed_first_loading()
 
     def sentences(self) -> list[str]:

@@ -81,7 +81,10 @@ class Simulated(NamedTuple):
 
 
 class Likelihood(NamedTuple):
-    """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa]."""
+    """Likelihood of a measured curve over a fine grid of mismatch wavelengths and strengths.
+
+    The ``wavelengths`` [m] and ``strengths`` [Pa] are those of the grid.
+    """
 
     wavelengths: np.ndarray
     strengths: np.ndarray

@@ -61,12 +61,13 @@ class LaterLoading(NamedTuple):
 
 
 class ComparisonJoints(NamedTuple):
-    """Joints simulated for comparison with a curve, for all values of the fitted constants.
+    """Joints to be simulated for comparison with a measured curve, at all values of constants.
 
-    The constants are mismatch wavelengths [m], compressive ``strengths`` [Pa], and the changes
-    ``laters`` after the first loading. ``conditions`` are those of the first cycle. The walls of a
-    joint depend on its number; the numbers of neighbouring wavelengths, strengths and surfaces are
-    ``strides`` apart. ``cache`` is the folder in which joints are kept, None if they are not.
+    The constants are the mismatch wavelengths [m] that were ``asked``, the compressive
+    ``strengths`` [Pa], and the changes ``laters`` after the first loading. ``conditions`` are those
+    of the first cycle. The walls of a joint follow from its number: 1 plus the sum of the indices
+    of its wavelength, strength and surface, each times one of the ``strides``. ``cache`` is the
+    folder in which joints are kept, None if they are not. ``report`` receives lines on progress.
     """
 
     asked: AskedJoints
@@ -80,16 +81,19 @@ class ComparisonJoints(NamedTuple):
 
     @property
     def stresses(self) -> np.ndarray:
-        """Stresses [Pa] at which joints are read: evenly spaced ones, and those of the readings."""
+        """Stresses (n,) [Pa] at which closures of joints are kept, ascending.
+
+        They are evenly spaced from seating to the maximum, and those of the readings.
+        """
         measured = self.asked.measured
         even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
         return np.unique(np.concatenate([even, measured.levels]))
 
     def check(self, strengths: Sequence[float]) -> None:
-        """Raise `InputError` if the joints cannot be simulated or fitted.
+        """Raise `InputError` if the joints cannot be simulated, or are too few for a fit.
 
-        This is so if the conditions with one of the strengths [Pa] or the walls are not allowed, or
-        if there are fewer surfaces than the curve needs.
+        Conditions with each of the ``strengths`` [Pa] are checked, and the walls of one joint are
+        made. There must be as many surfaces as the number of readings needs (`joints_needed`).
         """
         asked = self.asked
         for strength in strengths:
@@ -150,6 +154,7 @@ class ComparisonJoints(NamedTuple):
         workers = number_of_workers(self.workers)
 
         def prepare() -> None:
+            """Compile the kernels, and report the expected time if that is asked for."""
             prepare_kernels([conditions.model], 1 if foresee else workers)
             if foresee:
                 self.report(self._forecast(len(places) * len(self.strengths), workers))

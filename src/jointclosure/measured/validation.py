@@ -1,10 +1,11 @@
 """Validation: mechanisms and constants that are compatible with all measured loadings.
 
 A mechanism acts between the first loading and the later ones. Joints are simulated for each of its
-constants, each strength, and each mismatch wavelength of random walls. Such a point is compatible
-if the probability is at least 5 % that one of its joints is as far from their mean as the measured
-joint, or farther. The distance is Hotelling's over all readings, with the covariance of surfaces,
-measurement and numerical error (`jointclosure.measured.likelihood.likelihood_of`).
+constants, each strength, and each mismatch wavelength of random walls. Such a combination is
+compatible if the probability is at least 5 % that one of its joints is as far from the mean of its
+joints as the measured joint is, or farther. The distance is Hotelling's over all readings, with the
+covariance of surfaces, measurement and numerical error
+(`jointclosure.measured.likelihood.likelihood_of`).
 """
 
 import math

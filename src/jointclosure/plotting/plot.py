@@ -294,7 +294,7 @@ def _history(joint: Joint) -> xr.Dataset:
 
 
 def _axes(axes: Axes | None) -> Axes:
-    """Return axes, those of a new figure if none are given."""
+    """Return the given axes, or those of a new figure of pyplot if none are given."""
     import matplotlib.pyplot as plt  # the imports above name its extra if it is missing
 
     return plt.subplots(layout="constrained")[1] if axes is None else axes

@@ -110,7 +110,10 @@ def decimal_ticks(*logarithmic: Axis, **locator) -> None:
 
 
 def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None = None) -> None:
-    """Put ticks only at some values, without a change of the limits."""
+    """Put the ticks of an axis only at some values, with ``labels``, by default the values.
+
+    The limits of the axis do not change.
+    """
     values = list(values)
     axis.set_major_locator(FixedLocator(values))
     axis.set_minor_locator(NullLocator())

@@ -508,7 +508,7 @@ def _closest_quadratic_roots(quadratics: np.ndarray) -> np.ndarray:
 
 
 def check_significance(significance: float) -> None:
-    """Raise `InputError` unless a significance level lies between `LEAST_SIGNIFICANCE` and 1."""
+    """Raise `InputError` unless a significance level is from `LEAST_SIGNIFICANCE` to below 1."""
     check_number("significance", significance)
     if not LEAST_SIGNIFICANCE <= significance < 1.0:
         raise InputError(
@@ -649,12 +649,13 @@ def _solve_pairs(
 
 
 def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> DifferenceScatter:
-    """Estimate the scatter of differences from the base, from responses (..., k, n) of surfaces.
+    """Estimate the variances V and sigma^2 (...) of responses (..., k, n) of the same n surfaces.
 
-    Level means are removed; each surface's deviations from them are fitted by a line. Residuals
-    give sigma^2, with (n - 1)(k - 2) degrees of freedom, and the variance of the slopes, less what
-    sigma^2 alone gives them, gives V. If V is negative, the surfaces show no different responses:
-    the deviations are fitted by constants, and V is 0.
+    They are those of the paired model (see the module). The mean of each of the k ``levels`` is
+    removed, and the deviations of each surface are fitted by a line in u. The residuals give
+    sigma^2, with (n - 1)(k - 2) degrees of freedom. The variance of the slopes, less what sigma^2
+    alone contributes to it, is V. Where V would be negative, the surfaces do not differ in their
+    response: the deviations are then fitted by constants instead, and V is 0.
     """
     levels = np.asarray(levels, dtype=float)
     samples = np.asarray(samples, dtype=float)

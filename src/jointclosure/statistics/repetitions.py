@@ -310,7 +310,10 @@ class CrossedLikelihoods(NamedTuple):
         return CrossedLikelihoods(self.first[:, entries], self.second[:, entries])
 
     def p(self) -> float:
-        """Return the share of repetitions that are equally or less likely; NaN if unknown."""
+        """Return the share of repetitions that are at most as likely as the published table.
+
+        NaN if a log-likelihood is NaN.
+        """
         if np.isnan(self.first).any() or np.isnan(self.second).any():
             return np.nan
         as_unlikely = repetitions = 0

@@ -1,23 +1,24 @@
 """Ranges of the results of a joint, and the share of each source in them.
 
 The range is due to what is not known of this joint: errors of the scans and of the numerics, the
-order of breakage, and properties whose ranges are stated. The change of a result is expected to be
-the sum of its changes with each source varied alone. The departures from it are those of joints
-that were simulated with random values of all these sources. The range is between the 5 and 95 %
-quantiles of the expected changes for further random values, which need no simulations, with
-departures of a further joint: Student's t of the few that are known (JCGM 101:2008). Changes of
-positive results are those of logarithms, those of a share are those of its odds. The range contains
-the joint itself.
+order of breakage, and properties whose ranges are stated. If all these sources change at once, the
+change of a result is expected to be the sum of its changes with each source varied alone. Joints
+that were simulated with random values of all sources depart from this sum. The expected changes are
+computed for many further sets of random values, which need no simulations, and to each of them a
+departure is added, which is drawn from Student's t distribution of the few departures that are
+known (JCGM 101:2008). The range lies between the 5 and 95 % quantiles of these changes, and
+contains the joint itself. Changes of a positive result are differences of its logarithm, and
+changes of a share are differences of the logarithm of its odds.
 
 Choices of the model, such as the grid spacing, hold for all joints. Each is changed alone; their
 effects are added in the wider range with other choices, centred on the usual ones. Half of the
-spacing is not simulated: its change is taken as opposite to that by twice the spacing.
+spacing is not simulated: its change is taken as opposite to the change by twice the spacing.
 
 The share of a source is its total index: the part of the variance that it takes part in, alone or
-together with others (Homma & Saltelli 1996). Variances of random sources are those among their
-draws, less that of the order of breakage, which is another one in any joint. What is then left of
-the departures is due to pairs of sources, in proportion to the products of their variances: of
-those that vary in the random joints, as departures from the others cannot arise there.
+together with others (Homma & Saltelli 1996). The variance by a random source is that among its
+draws, less the variance by the order of breakage, which is another one in every simulation. What
+these variances do not explain of the departures is attributed to pairs of sources, in proportion to
+the products of their variances. Only pairs of sources that vary in the random joints count.
 """
 
 from collections.abc import Collection, Mapping

@@ -109,7 +109,7 @@ class ClosedJoint(NamedTuple):
 
     @property
     def laws(self) -> JointLaws:
-        """Laws of Barton and Bandis for the JRC of the walls and the strength of the weaker one."""
+        """Laws of Barton and Bandis of the joint, with the lower strength of the two rocks."""
         jrc = joint_jrc((self.pair.upper, self.pair.lower), self.pair.spacing)
         strength = min(wall.compressive_strength for wall in self.conditions.rock)
         seating = float(self.history.attrs["seating_stress_Pa"])
