@@ -84,7 +84,8 @@ def scatter_of(values: np.ndarray) -> float:
 def smoothed(stress: np.ndarray) -> np.ndarray:
     """Return the moving average (n,) of the stresses (n,) of a log; unchanged without scatter.
 
-    The average is over at most a fiftieth of the points, and over none if this is less than three.
+    The average is over at most a fiftieth of the points. If it would be over fewer than three
+    points, nothing is averaged.
     """
     width = 1
     if scatter := scatter_of(stress):
@@ -101,8 +102,9 @@ def place_of_largest(stress: np.ndarray) -> int:
 def troughs(stress: np.ndarray) -> list[int]:
     """Return the indices of the stresses (n,) at which one loading ends and the next begins.
 
-    They are those of the smallest smoothed stress in between. Only a fall and a rise beyond the
-    scatter, and beyond 5 % of the range of stresses, divide two loadings.
+    They are those of the smallest smoothed stress in between. Two loadings are divided by a fall
+    and a rise of more than ten times the scatter, but at least 5 % and at most 25 % of the range of
+    stresses.
     """
     values = smoothed(stress)
     largest = float(np.ptp(values))
@@ -145,9 +147,9 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> MeasuredBranch:
 
     ``stress`` (n,) [Pa] and ``closure`` (n,) [m] are in ascending order of stress apart from
     scatter. The branch is returned as measured if it has fewer than `LEAST_POINTS` points, or if
-    few of them are below former ones. Otherwise the means are evenly spaced along the curve, at
-    distances that exceed their standard error. An end at which the stress was not held is the end
-    of a straight line through the points there.
+    almost all stresses and closures exceed all former ones. Otherwise the means are evenly spaced
+    along the curve, at distances that exceed their standard error. An end at which the stress was
+    not held is the end of a straight line through the points there.
     """
     plain = MeasuredBranch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
     if stress.size < LEAST_POINTS or not (_is_scattered(stress) or _is_scattered(closure)):

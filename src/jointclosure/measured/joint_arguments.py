@@ -180,7 +180,8 @@ class AskedJoints(NamedTuple):
     ``joint`` has the arguments as the caller gave them. ``rock`` is the rock that they name,
     ``curve`` the checked curve, and ``measured`` are its readings. ``wavelengths`` (n,) [m] are the
     mismatch wavelengths of random walls; for scanned walls there is one, that of the registered
-    ``pair``. ``scans`` are the two walls (y, x) [m] of the pair, None for random walls.
+    ``pair``, moved into the range for random walls. ``scans`` are the two walls (y, x) [m] of the
+    pair, None for random walls.
     """
 
     joint: MeasuredJoint

@@ -211,10 +211,10 @@ class ComparisonJoints(NamedTuple):
 
         `CHECKED` joints at a ``place`` (later, wavelength, strength) of ``closures``, as from
         `closures`, are simulated again with a tolerance and steps that are `FINER` times smaller,
-        or with resolved breakage if theirs is by fixed steps. An error is the mean of the quantity
-        over that of the finer simulation, less 1. Shares in percent are left out, and quantities
-        that are not known of all these joints. Without breakage there is no tolerance, and the
-        result is empty.
+        or with resolved breakage if theirs is by fixed steps. An error is the mean of the ratios of
+        the quantity to that of the finer simulation, less 1. Shares in percent are left out, and
+        quantities that are not known of all these joints. Without breakage there is no tolerance,
+        and the result is empty.
         """
         conditions = self.conditions
         measured = self.asked.measured

@@ -56,9 +56,9 @@ def write(content: Any, path: str | Path) -> None:
 def replace_files(folder: Path, command: str, files: Mapping[str, Any]) -> None:
     """Write the files of a command to a folder, in place of those of an earlier run of the command.
 
-    ``files`` are contents by name (`write`). The folder is made if needed. Files of the earlier run
-    that are not written again are deleted; files of other commands stay. All files are first
-    written to a temporary folder inside: if this fails, the earlier files stay.
+    ``files`` are contents by name (`write`). The folder is made if needed, in one that exists.
+    Files of the earlier run that are not written again are deleted; files of other commands stay.
+    All files are first written to a temporary folder inside: if this fails, the earlier files stay.
     """
     folder.mkdir(exist_ok=True)
     earlier = check_record(folder).get(command, [])

@@ -45,7 +45,8 @@ def logging_to(
     passed to the work. Folders are made if needed. If the work succeeds, its time [s], the largest
     memory of the process [MB] and the processor time [s] are written to ``benchmark``. If it fails,
     the log gets the traceback and the reason, and is copied to a file whose name ends in
-    ``.failed``.
+    ``.failed``. Unless errors are ``raised``, as in a script, what was imported before is excluded
+    from garbage collection for the rest of the process.
 
     Raises
     ------
