@@ -35,6 +35,7 @@ from jointclosure.joint.result_tables import (
 from jointclosure.plotting.joint import engineering_figure
 from jointclosure.storage.folders import write
 from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.uncertainty import published_joints
 from jointclosure.uncertainty.published_joints import measured_range
 from tests.joints import COARSE, SPACING, closed, on_softer_half_spaces
 
@@ -584,7 +585,8 @@ def fitted_texts(joint, curves):
 def test_a_loading_whose_stiffness_is_beyond_measured_ones_is_warned_of(
     history, measured, monkeypatch
 ):
-    monkeypatch.setattr(loading, "measured_range", {"stiffness_ratio": measured}.get)
+    for module in (loading, published_joints):
+        monkeypatch.setattr(module, "measured_range", {"stiffness_ratio": measured}.get)
     curves = stress_table(history)
     beyond = measured[1] < 1.0
     remark = loading.loading_remark(history, 2)

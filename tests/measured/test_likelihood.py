@@ -12,7 +12,7 @@ from jointclosure.joint.history import history_of
 from jointclosure.joint.simulation import simulate_walls
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import fit
-from jointclosure.measured.joint_arguments import SimulatedWalls
+from jointclosure.measured.joint_arguments import WallRecipe
 from jointclosure.measured.likelihood import (
     likelihood_of,
     log_readings,
@@ -36,7 +36,7 @@ CONDITIONS = Conditions(SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), PAPE
 WAVELENGTHS = np.geomspace(3.0 * SPACING, SHAPE[0] * SPACING, 5)
 
 
-WALLS = SimulatedWalls((10.0, 10.0), SHAPE, SPACING, 1, 0.8, 3e-3)
+WALLS = WallRecipe((10.0, 10.0), SHAPE, SPACING, 1, 0.8, 3e-3)
 walls = functools.partial(WALLS.pair, scans=None)
 
 

@@ -18,7 +18,7 @@ from jointclosure.measured.compared_quantities import (
     prediction_intervals,
 )
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
-from jointclosure.measured.joint_arguments import SimulatedWalls
+from jointclosure.measured.joint_arguments import WallRecipe
 from jointclosure.measured.likelihood import Readings, readings_of_curve
 from jointclosure.measured.simulated_joints import ABOUT_RANGES, CHECKED, FINER, LaterLoading
 from jointclosure.measured.validation import NEITHER, NUMERICS, STRENGTHS, validate
@@ -105,7 +105,7 @@ def test_the_numerical_error_is_that_of_nearest_joints_by_a_finer_tolerance(regi
     _, _, j = region.place(max(region.mechanisms, key=region.p_value))
     strength = np.geomspace(*asked["strengths"], STRENGTHS)[j]
     rock = ROCK._replace(compressive_strength=strength)
-    walls = SimulatedWalls((0.0, 0.0), pair.upper.shape, SPACING, 1, 0.8, None, digest="scans")
+    walls = WallRecipe((0.0, 0.0), pair.upper.shape, SPACING, 1, 0.8, None, digest="scans")
     closures, ends = [], np.array([SEATING, STRESS])
     for factor in (1.0, 1.0 / FINER):
         numerics = coarser(NUMERICS, factor)
@@ -336,7 +336,7 @@ def test_regions_contain_the_constants_of_nineteen_in_twenty_joints(asked, tmp_p
     rng, inside, seen = np.random.default_rng(11), [], []
     for number in range(24):
         strength, later = float(np.exp(rng.uniform(*np.log([55e6, 150e6])))), laters[number % 5]
-        placed = SimulatedWalls((0.0, 0.0), pair.upper.shape, SPACING, 999, 0.8, None, "scanned")
+        placed = WallRecipe((0.0, 0.0), pair.upper.shape, SPACING, 999, 0.8, None, "scanned")
         walls = placed.pair(number, 0.0, (pair.upper, pair.lower))
         curve = measured_curve(pair, *later, strength, walls)
         region = validate(curve, **asked | tried)

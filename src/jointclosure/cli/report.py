@@ -140,11 +140,17 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
     wider = pd.DataFrame(record.get("with_other_choices") or {})
 
     def text(name: str, cycle: int = 1) -> str:
-        """Return a result with its range, if that is known; "" if there is none."""
+        """Return a result of a cycle for the HTML page, with its range if that is known.
+
+        ``name`` is a column of `RANGED_RESULTS`. The text is "" if the result is missing.
+        """
         return first.loc[RANGED_RESULTS[name], f"cycle {cycle}"].removeprefix(ABSENT)
 
     def with_choices(name: str, cycle: int = 1) -> str:
-        """Return the range of a result with other choices of the model; "" if there is none."""
+        """Return the range of a result with other choices of the model, for the HTML page.
+
+        ``name`` is a column of `RANGED_RESULTS`. The text is "" if no such range is known.
+        """
         return "" if wider.empty else wider.loc[RANGED_RESULTS[name], f"cycle {cycle}"]
 
     loading = curves[curves.branch == LOADING]

@@ -1,1 +1,1 @@
-"""Many joints of one rock and load: simulation, and the quantities that are read of each joint."""
+"""Ensembles of joints of one rock and load: simulation, and the quantities read of each joint."""

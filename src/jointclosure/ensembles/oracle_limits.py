@@ -1,4 +1,4 @@
-"""Limits of the numbers of the oracle, and the largest ratio to them at the maximum of a joint."""
+"""Limits of the numbers by which the oracle judges a joint, and the largest ratio to its limit."""
 
 import math
 from collections.abc import Mapping
@@ -21,10 +21,12 @@ SOLVED = 1.01  # allowed residual over the tolerance of a solver, which sums it 
 
 
 def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float]:
-    """Return the limits of the numbers of an `oracle.Verdict` by name; those left out are 0.
+    """Return the limits of the numbers of an `oracle.Verdict`, by name.
 
-    ``tolerances`` are as from `tolerances_of`. Forces have the solver's error and that of the last
-    digits of the heights. The limit of a number that is only reported is infinite.
+    Numbers that are not among them must be 0. The limit of a number that is only reported is
+    infinite. Limits of forces contain the error of the solver, in ``tolerances`` as from
+    `tolerances_of`, and that of the last digits of the heights. ``effects`` are those of the
+    simulation.
     """
     digits = ROUNDINGS * verdict.rounding
     solved = SOLVED * tolerances["residual"] + digits
@@ -41,9 +43,10 @@ def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float
 
 
 def tolerances_of(effects, numerics, by_stress: bool = True) -> dict[str, float]:
-    """Return the allowed residual and excess of strength of a simulation.
+    """Return the allowed "residual" of equilibrium and excess of "strength" of a simulation [1].
 
-    ``by_stress`` is whether the state was solved for a stress, not for a closure.
+    ``by_stress`` is whether the state was solved for a stress, and not for a closure. Without
+    breakage the fast solver is more accurate then.
     """
     residual = numerics.force_tolerance
     if by_stress and not effects.breakage and solver_named(numerics.solver).elastic_curve:
@@ -53,17 +56,22 @@ def tolerances_of(effects, numerics, by_stress: bool = True) -> dict[str, float]
 
 
 def largest_ratio(numbers: Mapping[str, float], limits: Mapping[str, float]) -> float:
-    """Return the largest number over its finite limit; infinite for one above a limit of 0."""
+    """Return the largest ratio of the ``numbers`` to their ``limits``, both by name.
+
+    A number without a limit has the limit 0, and a number above 0 with this limit an infinite
+    ratio. Numbers with an infinite limit are left out.
+    """
     both = ((value, limits.get(name, 0.0)) for name, value in numbers.items())
     judged = [(value, limit) for value, limit in both if limit < math.inf and (value or limit)]
     return float(np.max([value / limit if limit else math.inf for value, limit in judged]))
 
 
 def oracle_ratio(joint: SimulatedJoint) -> float:
-    """Return the oracle's largest number over its limit, at the first maximum.
+    """Return the largest ratio of the oracle's numbers to their limits, at the first maximum.
 
-    It is NaN for more cells in contact than the oracle can judge, and if breakage jumped over the
-    maximum.
+    The joint must have a snapshot at its maximum stress. The ratio is NaN if there is none on a
+    loading, as when breakage jumped over the maximum, and for more than `MOST_CONTACTS` cells in
+    contact.
     """
     closed = joint.closed
     given = joint.conditions

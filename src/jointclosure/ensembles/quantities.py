@@ -1,4 +1,4 @@
-"""Quantities of a simulated joint: the one place of their titles, units, symbols and rules."""
+"""Quantities of a simulated joint: their titles, units and symbols, and how they are computed."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -22,31 +22,38 @@ _SHOWN = {
     "m/Pa": ("mm/MPa", 1e9),
     "1": ("", 1.0),
 }
-"""Unit in tables and figures, and its scale, by SI unit."""
+"""Unit in tables and figures, and the factor from SI to it, by SI unit."""
 
 
 def shown_unit(unit: str) -> tuple[str, float]:
-    """Return the unit in which tables and figures show an SI unit, and its scale."""
+    """Return the unit in which tables and figures show values in an SI unit, and the factor.
+
+    Values in SI are multiplied by the factor. The unit of a ratio is empty.
+    """
     return _SHOWN.get(unit, (unit, 1.0))
 
 
 def shown_as(name: str, unit: str) -> tuple[str, float]:
-    """Return the column of a quantity in tables, and the scale of its values there."""
+    """Return the column of a quantity ``name`` in tables, and the factor of its values there.
+
+    The column ends in the shown unit, such as "stiffness_net_MPa_per_mm". ``unit`` is that in SI.
+    """
     shown, scale = shown_unit(unit)
     return f"{name}_{shown.replace('/', '_per_')}".removesuffix("_"), scale
 
 
 def heading(title: str, unit: str) -> str:
-    """Return a title with its unit in brackets, unless it is a ratio."""
+    """Return a title with its ``unit`` in brackets; without it for a ratio."""
     return title if unit in ("", "1") else f"{title} ({unit})"
 
 
 class Quantity(NamedTuple):
-    """Quantity of a simulated joint, and the rule that computes it.
+    """Quantity of a simulated joint, and the function ``rule`` that computes it.
 
     ``title`` is without the unit, ``unit`` in SI ("1" for a ratio), ``symbol`` in matplotlib's
-    notation of formulas. ``further`` attributes are a comment, or meanings of bits. Quantities
-    ``of_effort`` describe the computation; failed joints have no others.
+    notation of formulas. ``dims`` are the dimensions of its values. ``further`` attributes are a
+    comment, or the meanings of bits. A quantity ``of_effort`` describes the computation: joints
+    that failed have only these.
     """
 
     title: str
@@ -59,13 +66,16 @@ class Quantity(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Attributes of a variable of a dataset."""
+        """Attributes of the quantity as a variable of a dataset."""
         unit = {} if "flag_masks" in self.further else {"units": self.unit}
         return {"long_name": self.title} | unit | dict(self.further)
 
     @property
     def has_harmonic_mean(self) -> bool:
-        """Whether its mean over joints is harmonic, as for stiffnesses: that of the mean curve."""
+        """Whether the mean of the quantity over joints is the harmonic one.
+
+        This is so for stiffnesses, so that their mean is the stiffness of the mean curve.
+        """
         return self.unit == "Pa/m"
 
     @property
@@ -80,9 +90,9 @@ def _history(
     symbol: str = "",
     rule: Callable[[SimulatedJoint], Any] | None = None,
 ) -> Quantity:
-    """Make a quantity with the title and unit of a variable of a history, read by ``rule``.
+    """Make a quantity with the title and unit of a variable ``name`` of a history.
 
-    By default it is the variable itself.
+    It is computed by ``rule``, and is the variable itself by default.
     """
     further = dict(ATTRIBUTES[name])
     title = further.pop("long_name")
@@ -92,7 +102,7 @@ def _history(
 
 
 def _curve(name: str) -> Quantity:
-    """Make a quantity of a variable of steps, read at the stresses of each branch."""
+    """Make a quantity of a variable of steps, read at the stresses of curves on each branch."""
     return _history(
         name,
         CURVE,
@@ -101,29 +111,36 @@ def _curve(name: str) -> Quantity:
 
 
 def _net(title: str, name: str, symbol: str = "", unit: str = "m", comment: str = "") -> Quantity:
-    """Make a quantity of `net_responses`."""
+    """Make a quantity that is the entry ``name`` of `net_responses`, for each cycle."""
     further = {"comment": comment} if comment else {}
     return Quantity(title, unit, CYCLE, lambda joint: joint.net[name], symbol, further)
 
 
 def _hydraulic(joint: SimulatedJoint) -> np.ndarray:
+    """Return hydraulic apertures [m] over (direction, cycle, branch, stress)."""
     along = joint.closed.hydraulic_aperture.values.T
     return np.stack([joint.read_at_stresses(values, joint.stresses) for values in along])
 
 
 def _loop(joint: SimulatedJoint) -> np.ndarray:
+    """Return the closure on unloading less that on loading [m] at half of the maximum, by cycle."""
     half = np.array([0.5 * joint.conditions.largest_stress])
     return loop_between(*joint.read_at_stresses(joint.closed.closure.values, half)[:, :, 0].T)
 
 
 def _aperture_at_seating(joint: SimulatedJoint) -> np.ndarray:
+    """Return the mean aperture [m] at the seating stress on the loading of each cycle."""
     cycles = range(1, joint.conditions.cycle_count + 1)
     aperture = joint.history.curve("mean_aperture")
     return np.array([aperture.seat(cycle, LOADING) for cycle in cycles])
 
 
 def _volume_error(joint: SimulatedJoint) -> float:
-    """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
+    """Return the relative change of the volume of a wall [1], the larger one of both walls.
+
+    It is |sum z - sum z0| / sum (z0 - min z0) with the heights z at the end and z0 before loading,
+    or its numerator [m] for a flat wall.
+    """
     errors = []
     for before, after in zip(joint.walls, joint.final, strict=True):
         scale = float(np.sum(before - before.min()))
@@ -133,7 +150,8 @@ def _volume_error(joint: SimulatedJoint) -> float:
 
 
 def _oracle_ratio(joint: SimulatedJoint) -> float:
-    # only here, as it loads the solvers, which jobs that tabulate do not need
+    """Return the `oracle_ratio` of a joint."""
+    # imported only here, as it loads the solvers, which jobs that tabulate do not need
     from jointclosure.ensembles.oracle_limits import oracle_ratio
 
     return oracle_ratio(joint)
@@ -241,7 +259,7 @@ QUANTITIES: dict[str, Quantity] = {
 }  # fmt: skip
 """All quantities by name, which is that of variables of datasets and of responses in tables."""
 COLUMNS = {name: shown_as(name, quantity.unit) for name, quantity in QUANTITIES.items()}
-"""Columns of tables, and their scale, by quantity."""
+"""Column of each quantity in tables, and the factor of its values there, by name of quantity."""
 COORDINATES = {
     "wavelength": ("mismatch wavelength", "m"),
     "shift": ("shift", "m"),
@@ -251,7 +269,7 @@ COORDINATES = {
     "rotation": ("rotation", "degrees"),
     "stress": ("maximum stress", "Pa"),
 }
-"""Titles and SI units of coordinates of points that are numbers."""
+"""Titles and SI units of the coordinates of the points of studies, as far as they are numbers."""
 HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.items()} | {
     shown_as(name, unit)[0]: heading(title, shown_unit(unit)[0])
     for name, (title, unit) in COORDINATES.items()
@@ -268,12 +286,12 @@ CURVES = {
     "smallest_transmissivity_m2_per_s": ("lower bound of the transmissivity (m2/s)", False),
     "largest_transmissivity_m2_per_s": ("upper bound of the transmissivity (m2/s)", False),
 }
-"""Headings of curves over stress (`jointclosure.joint.result_tables.stress_table`), by column, and
-whether they rise with stress; the others fall."""
+"""Heading of each curve over stress (`jointclosure.joint.result_tables.stress_table`), by column,
+and whether the curve rises with stress; the others fall."""
 
 
 def titles_of_cycles(*shown: tuple[str, int]) -> dict[tuple[str, int], str]:
-    """Return titles of quantities in cycles, by (quantity, cycle)."""
+    """Return the titles of quantities in cycles, such as "..., cycle 2", by (quantity, cycle)."""
     return {(name, cycle): f"{QUANTITIES[name].title}, cycle {cycle}" for name, cycle in shown}
 
 
@@ -282,5 +300,8 @@ _STORED = tuple(QUANTITIES)[: tuple(QUANTITIES).index("timing_simulation") + 1]
 
 
 def names_of_case(flow: bool) -> tuple[str, ...]:
-    """Return the names of the quantities that are stored of every joint, with those of ``flow``."""
+    """Return the names of the quantities that are stored of every joint of a case.
+
+    Those of flow are among them only with ``flow``.
+    """
     return tuple(name for name in _STORED if flow or name not in OF_FLOW)

@@ -16,9 +16,10 @@ from jointclosure.walls import Walls
 
 @dataclass(frozen=True)
 class SimulatedJoint:
-    """Simulated joint: walls (y, x) [m] before loading, history, conditions, processor time [s].
+    """Simulated joint of an ensemble, from which its quantities are read.
 
-    Curves are read at ``stresses`` (n,) [Pa].
+    ``walls`` (y, x) [m] are those before loading, ``closed`` is the history. ``seconds`` is the
+    processor time of the simulation [s]. Curves are read at ``stresses`` (n,) [Pa].
     """
 
     walls: Walls
@@ -29,7 +30,7 @@ class SimulatedJoint:
 
     @property
     def final(self) -> Walls:
-        """Walls (y, x) [m] at the end."""
+        """Walls (y, x) [m] at the end of the last cycle."""
         return self.closed.upper_final.values, self.closed.lower_final.values
 
     @cached_property
@@ -39,7 +40,7 @@ class SimulatedJoint:
 
     @cached_property
     def summed(self) -> np.ndarray:
-        """Summed heights (y, x) of the pristine walls [m]."""
+        """Sum of the heights (y, x) [m] of both walls before loading."""
         return self.walls[0] + self.walls[1]
 
     @cached_property
@@ -48,15 +49,22 @@ class SimulatedJoint:
         return net_responses(self.closed)
 
     def read_at_stresses(self, values: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        """Return values of steps (steps,) at stresses [Pa], over (cycle, branch, stress)."""
+        """Read values of steps (steps,) at stresses (n,) [Pa] on each branch.
+
+        The result is (cycle, branch, n), and NaN at stresses that a branch does not have.
+        """
         tolerance = self.conditions.numerics.stress_tolerance
         cycles = self.conditions.cycle_count
         return self.history.curve(values).where_reached(stresses, cycles, tolerance)
 
     def hyperbola(self, name: str) -> np.ndarray:
-        """Return a parameter (cycles,) of the hyperbolic law of each loading."""
+        """Return a parameter (cycles,) of the hyperbola that is fitted to each loading.
+
+        ``name`` is "kni_MPa_per_mm" or "vm_mm". NaN where no hyperbola was fitted.
+        """
         return self._hyperbolas[name].to_numpy()
 
     @cached_property
     def _hyperbolas(self) -> pd.DataFrame:
+        """Parameters of the hyperbolas of all loadings, by cycle."""
         return loading_hyperbolas(self.closed, range(1, self.closed.max_closure.size + 1))

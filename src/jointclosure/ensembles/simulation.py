@@ -30,7 +30,10 @@ Row = dict[str, Any]  # quantities of a joint by name; a failed joint has only t
 
 
 class Reading(NamedTuple):
-    """Conditions of joints, names of the quantities that are read, and stresses of curves [Pa]."""
+    """What is read of each joint: names of quantities, and the stresses of curves (n,) [Pa].
+
+    ``conditions`` are those of the joints.
+    """
 
     conditions: CheckedConditions
     names: tuple[str, ...]
@@ -45,7 +48,8 @@ def simulated_joint(
 ) -> SimulatedJoint:
     """Simulate the joint of two walls (y, x) [m], and measure the processor time.
 
-    ``stresses`` and ``snapshots`` [Pa] are those of curves and of stored states.
+    ``stresses`` [Pa] are those at which curves are read later, ``snapshots`` [Pa] those at which
+    states are stored.
     """
     pair, pristine = walls if isinstance(walls, CrushedWalls) else (walls, None)
     start = time.process_time()
@@ -54,7 +58,10 @@ def simulated_joint(
 
 
 def simulate_row(walls: Walls | CrushedWalls, reading: Reading) -> Row:
-    """Simulate the joint of two walls (y, x) [m], and read its quantities."""
+    """Simulate the joint of two walls (y, x) [m], and read its quantities by name.
+
+    Raise `ValueError` if the ``oracle_ratio`` of crushed walls is to be read.
+    """
     judged = "oracle_ratio" in reading.names
     conditions = reading.conditions
     if judged and isinstance(walls, CrushedWalls):
@@ -64,16 +71,17 @@ def simulate_row(walls: Walls | CrushedWalls, reading: Reading) -> Row:
 
 
 def read_joint(joint: SimulatedJoint, names: Iterable[str]) -> Row:
-    """Read quantities of a simulated joint; of one that failed only those of effort."""
+    """Read the quantities ``names`` of a simulated joint; only those of effort if it failed."""
     has_failed = failed(joint.closed)
     read = {name: QUANTITIES[name] for name in names}
     return {name: q.rule(joint) for name, q in read.items() if q.of_effort or not has_failed}
 
 
 def stack_rows(rows: Sequence[Row], realizations: Any, seeds: Any, reading: Reading) -> xr.Dataset:
-    """Return rows of joints as a dataset along ``realization``.
+    """Return the quantities of joints as one dataset along the dimension ``realization``.
 
-    A value that a row does not have is NaN, a count 0.
+    ``rows`` has those of each joint by name. A quantity that a row does not have, because the joint
+    failed, is NaN, or 0 if it is a count. ``realizations`` and ``seeds`` are coordinates.
     """
     about = {"long_name": "nominal normal stress", "units": "Pa"}
     joined = xr.Dataset(
@@ -134,18 +142,22 @@ def simulate_ensemble(
     -------
     Dataset
         Over ``realization``, ``cycle``, ``branch`` and ``stress`` [Pa], with the variables of
-        a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], for each cycle
-        ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` is
-        the seed, or the position of a given pair. ``error`` states why a joint could not be
-        simulated, and is empty otherwise. Such a joint has status `NOT_SIMULATED` and NaN, does not
-        affect other joints, and is named in a warning. One whose simulation failed has a status of
-        16 or more, counts and NaN. A joint whose process was killed is first tried once more.
+        a study's case: gross ``closure`` [m] from first touch, ``bulk_indentation`` [m], for each
+        cycle ``max_closure``, ``residual_closure`` [m] and others, ``status``. The coordinate
+        ``seed`` is the seed, or the position of a given pair. ``error`` states why a joint could
+        not be simulated, and is empty otherwise. Such a joint has the status `NOT_SIMULATED` and
+        results of NaN, does not affect other joints, and is named in a warning. A joint whose
+        simulation failed has a status of 16 or more, its counts, and results of NaN. A joint whose
+        process was killed is first tried once more.
 
     Raises
     ------
     InputError
-        If there are no walls, or if no joint could be simulated. The message is then that of the
-        first joint.
+        If there are no walls, or an argument is not allowed. If no joint could be simulated, the
+        error of the first joint is raised, which may be of another type.
+    TypeError
+        If a keyword is unknown, or without ``conditions`` the rock, the spacing or the maximum
+        stress is missing.
     """
     check_count("stress_points", stress_points, 2, 100_000)
     stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
@@ -176,16 +188,23 @@ def simulate_ensemble(
 def _rows(
     pairs: list[Any], reading: Reading, labels: np.ndarray, workers: int, progress: bool
 ) -> list[Any]:
-    """Return rows of all joints; joints whose process was lost are tried once more."""
+    """Simulate all joints and return their rows, with `Failed` for those that are not simulated.
+
+    ``pairs`` are walls, or `Failed` if these are not allowed. Joints whose process was lost are
+    tried once more. Warnings name, by ``labels``, the joints that are tried again and those that
+    are not simulated.
+    """
     rows = pairs.copy()
 
     def simulate(places: list[int], workers: int, show: Callable[[float, str], None]) -> None:
+        """Simulate the joints at some places, and put their rows into ``rows``."""
         tasks = [(pairs[place], reading) for place in places]
         for done, (at, row) in enumerate(in_processes(simulate_row, tasks, workers), start=1):
             rows[places[at]] = row
             show(done / len(tasks), f"joint {done} of {len(tasks)}")
 
     def numbers_of(kind: type[Exception]) -> list[int]:
+        """Return the places of the joints that were not simulated because of a kind of error."""
         return [i for i, row in enumerate(rows) if isinstance(getattr(row, "error", None), kind)]
 
     valid = [i for i, pair in enumerate(pairs) if not isinstance(pair, Failed)]
@@ -209,7 +228,11 @@ def _rows(
 
 
 def _pairs(walls: Any, seeds: Iterable[int], spacing: float) -> tuple[np.ndarray, list[Any]]:
-    """Return seeds, and checked pairs of walls, `Failed` for those that are not allowed."""
+    """Return the labels and the checked pairs of walls, with `Failed` for walls not allowed.
+
+    Labels are the ``seeds`` if ``walls`` is a function, which is called here for each, else the
+    positions of the pairs. Raise `InputError` if there are none.
+    """
     numbers = list(seeds) if callable(walls) else []
     # in this process, so that functions are not pickled
     made = [walls(number) for number in numbers] if callable(walls) else list(walls)
@@ -225,7 +248,10 @@ def _pairs(walls: Any, seeds: Iterable[int], spacing: float) -> tuple[np.ndarray
 
 
 def _doubts(pairs: list[Any], labels: np.ndarray, spacing: float) -> str:
-    """Describe probable errors in pairs of walls."""
+    """Return a text on probable errors in pairs of walls; empty if none has any.
+
+    Pairs that are `Failed` are left out.
+    """
     known = {at: pair for at, pair in enumerate(pairs) if not isinstance(pair, Failed)}
     doubtful = [(at, words) for at, (a, b) in known.items() if (words := doubts(a, b, spacing))]
     if not doubtful:

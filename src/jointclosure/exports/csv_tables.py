@@ -14,9 +14,10 @@ neighbouring steps."""
 
 
 def with_law(joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws) -> pd.DataFrame:
-    """Return a `stress_table` with the closures [mm] of loadings by the law of Barton and Bandis.
+    """Return a copy of a `stress_table` with the closures [mm] by the law of Barton and Bandis.
 
-    They are in the column ``barton_bandis_mm``, which is missing if the law has no cycle.
+    They count from the seating stress and are in the column ``barton_bandis_mm``, which is NaN on
+    unloadings and in cycles without a law. If no cycle has a law, there is no such column.
     """
     curves = curves.copy()
     for number, law in laws.by_cycle.items():
@@ -27,9 +28,10 @@ def with_law(joint: xr.Dataset, curves: pd.DataFrame, laws: JointLaws) -> pd.Dat
 
 
 def csv_files(joint: xr.Dataset, curves: pd.DataFrame) -> dict[str, str]:
-    """Return the tables of steps, of cycles, of stresses and of fitted laws as CSV by file name.
+    """Return the tables of a simulated joint as texts of CSV by file name.
 
-    ``curves`` is the table of stresses, that is `stress_table` or `with_law`.
+    `curves.csv` is by step, `cycles.csv` by cycle, and `laws.csv` has the fitted laws.
+    `answer.csv` is the table ``curves`` over stress, as from `stress_table` or `with_law`.
     """
     tables = {
         "curves": curve_table(joint),

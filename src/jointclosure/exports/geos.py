@@ -8,12 +8,12 @@ import xarray as xr
 
 from jointclosure.ensembles.quantities import CURVES
 from jointclosure.exports.loading import (
+    BAND_LIMITS,
     CHOICES,
-    ENDS,
     Exported,
-    loading_by_ending,
+    loading_by_suffix,
     loading_text,
-    range_texts,
+    suffix_legend,
 )
 from jointclosure.inputs import InputError, naming
 from jointclosure.joint.history import history_of
@@ -38,17 +38,19 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
 
 
 def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> Exported:
-    """Return gaps and apertures [m], hydraulic or mean, of a loading as GEOS reads them.
+    """Return GEOS tables of the aperture [m] of a loading over its gap [m].
 
-    `geos.xml` names the first table that can be written. Remarks name the tables that are not
-    written, and the aperture of the named one if this is a bound or an end of a band. Raise
-    `InputError` if no table can be written, or if the loading does not close monotonically from a
-    seating stress above 0.
+    The aperture is the hydraulic one for a joint with flow, with a table of its upper bound, else
+    the mean aperture. There is a table for the joint and for each limit of the band. `geos.xml`
+    names the first table that can be written. Remarks name the tables that are not written, and say
+    so if the table in `geos.xml` is of a bound or of a limit of the band. Raise `InputError` if no
+    table can be written, or if the loading does not close monotonically from a seating stress
+    above 0.
     """
     if history_of(joint).seating_stress == 0.0:
         raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
     with naming("GEOS"):
-        parts = loading_by_ending(joint, curves, cycle)
+        parts = loading_by_suffix(joint, curves, cycle)
     closure = 1e-3 * parts[""].closure_net_since_seating_mm.to_numpy()
     if not (closure.size > 1 and (np.diff(closure) > 0.0).all()):
         must = "must close monotonically from seating to its maximum"
@@ -59,20 +61,20 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> Expor
     apertures: dict[str, np.ndarray] = {}
     titles: dict[str, str] = {}
     reasons: dict[str, str] = {}
-    for (word, column), (ending, rows) in product(columns.items(), parts.items()):
+    for (word, column), (suffix, rows) in product(columns.items(), parts.items()):
         aperture = 1e-3 * rows[column].to_numpy()
-        name = f"geos_aperture{word}{ending}.csv"
+        name = f"geos_aperture{word}{suffix}.csv"
         missing = ~(aperture > 0.0)
         if not missing.any():
             # falls with stress, so that no aperture exceeds those before
             apertures[name] = np.minimum.accumulate(aperture)
-            titles[name] = CURVES[column][0].removesuffix(" (mm)") + ENDS[ending].title
+            titles[name] = CURVES[column][0].removesuffix(" (mm)") + BAND_LIMITS[suffix].title
             continue
         first = rows.normal_stress_MPa.iloc[int(np.argmax(missing))]
         reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
         reason += f"is not at {first:.3g} MPa"
         if history_of(joint).has_flow:
-            name_of_status = RANGE_FLOW_STATUS if ending else "flow_status"
+            name_of_status = RANGE_FLOW_STATUS if suffix else "flow_status"
             status = curves[name_of_status][rows.index[int(np.argmax(missing))]]
             reason += f" ({name_of_status}: {status})"
         reasons[name] = reason
@@ -89,7 +91,7 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> Expor
         )
     title = titles[named].replace("upper bound", "UPPER BOUND")
     of_loading = loading_text(joint, cycle)
-    about = range_texts(curves, "_low", "_high", "_with_choices")
+    about = suffix_legend(curves, "_low", "_high", "_with_choices")
     ranges = "".join(f"\n     {line}." for line in about)
     form = _GEOS.format(aperture=title, loading=of_loading, file=named, ranges=ranges)
     return Exported({name: "".join(lines[name]) for name in lines} | {"geos.xml": form}, remarks)
@@ -100,24 +102,26 @@ _COMPLIANCE_FACTOR = 9.0
 
 
 def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> Exported:
-    """Return GEOS' BartonBandis, fitted to apertures of a loading, hydraulic or mean.
+    """Return the BartonBandis element of GEOS, fitted to the aperture of the loading of a cycle.
 
-    Its aperture a0/(1 + 9 s/s_ref) falls with the stress s from a0 at zero stress to a tenth at the
-    reference stress s_ref (`BartonBandis.hpp` of GEOS). Ends of bands that it does not fit are
-    named in remarks. Raise `InputError` if it does not fit the joint itself.
+    The aperture is the hydraulic one for a joint with flow, else the mean one. The law
+    a0/(1 + 9 s/s_ref) falls with the stress s from a0 at zero stress to a tenth at the reference
+    stress s_ref (`BartonBandis.hpp` of GEOS). Remarks state its largest error, and name the limits
+    of the band to which it cannot be fitted. Raise `InputError` if it cannot be fitted to the joint
+    itself: fewer than three apertures are known, or they do not fall with stress.
     """
     remarks: list[str] = []
     column = "hydraulic_aperture_mm" if history_of(joint).has_flow else "mean_aperture_mm"
     title = CURVES[column][0].removesuffix(" (mm)")
     with naming("GEOS"):
-        parts = loading_by_ending(joint, curves, cycle)
+        parts = loading_by_suffix(joint, curves, cycle)
     lines = [f"  <!-- of the loading of {loading_text(joint, cycle)} -->"]
-    about = range_texts(curves, "_low", "_high", "_with_choices")
+    about = suffix_legend(curves, "_low", "_high", "_with_choices")
     lines += [f"  <!-- {line} -->" for line in about]
-    misses: dict[str, tuple[float, float]] = {}  # [mm], and over the aperture
-    for ending, rows in parts.items():
+    errors: dict[str, tuple[float, float]] = {}  # largest [mm], and largest over the aperture
+    for suffix, rows in parts.items():
         known = rows[rows[column] > 0.0]
-        name = f"joint_aperture{ending}"
+        name = f"joint_aperture{suffix}"
         must = f"the {title} must be known, and fall with stress"
         stress = known.normal_stress_MPa.to_numpy()
         aperture = known[column].to_numpy()
@@ -127,34 +131,41 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
         if stress.size > 2:
             slope, start = np.polyfit(stress, 1.0 / aperture, 1, w=aperture**2)
         if not (slope > 0.0 and start > 0.0):
-            if not ending:
+            if not suffix:
                 raise InputError(f"GEOS: BartonBandis: {must}")
             remarks.append(f"not written: {name} of geos_barton_bandis.xml: {must}")
             continue
         reference = _COMPLIANCE_FACTOR * start / slope
-        miss = np.abs(1.0 / (start + slope * stress) - aperture)
-        misses[ending] = float(miss.max()), float((miss / aperture).max())
-        off = _off(*misses[ending])
+        error = np.abs(1.0 / (start + slope * stress) - aperture)
+        errors[suffix] = float(error.max()), float((error / aperture).max())
+        off = _error_text(*errors[suffix])
         lines += [
             f"  <!-- {title}, {stress[0]:g} to {stress[-1]:g} MPa: {off} -->",
             f'  <BartonBandis name="{name}" referenceAperture="{1e-3 / start:.6e}" '
             f'referenceNormalStress="{1e6 * reference:.6e}"/>',
         ]
-    remark = f"geos_barton_bandis.xml, of cycle {cycle}: its {title} is {_off(*misses[''])}"
-    if of_choices := [miss for ending, miss in misses.items() if ending.endswith(CHOICES)]:
-        remark += f"; with other choices of the model it is {_off(*map(max, *of_choices, (0, 0)))}"
+    remark = f"geos_barton_bandis.xml, of cycle {cycle}: its {title} is {_error_text(*errors[''])}"
+    if of_choices := [error for suffix, error in errors.items() if suffix.endswith(CHOICES)]:
+        largest = _error_text(*map(max, *of_choices, (0, 0)))
+        remark += f"; with other choices of the model it is {largest}"
     remarks.insert(0, remark)
     body = ["<Constitutive>", *lines, "</Constitutive>"]
     return Exported({"geos_barton_bandis.xml": "\n".join(body) + "\n"}, remarks)
 
 
-def _off(miss: float, share: float) -> str:
-    """State how far an aperture is off at most, [mm] and over the aperture."""
-    return f"off by up to {1e3 * miss:.2g} um, {percent(share)}"
+def _error_text(error: float, share: float) -> str:
+    """Format the largest error [mm] of a fitted aperture, and the largest over the aperture [1]."""
+    return f"off by up to {1e3 * error:.2g} um, {percent(share)}"
 
 
 def _with_opening(closure: np.ndarray, apertures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return gaps and apertures (tables, n) [m], with a last slope of at most `OPENING_SLOPE`."""
+    """Return the gaps (k,) and the apertures (tables, k) [m] of GEOS tables, ascending in the gap.
+
+    They are made of closures (n,) and apertures (tables, n) [m] on loading: the gap is minus the
+    closure since the first value, so that it ends at 0. If a table is steeper than `OPENING_SLOPE`
+    at its end, a point is inserted (k = n + 1) before which the table keeps its values, and after
+    which no table is steeper.
+    """
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # not -0.0
     values = apertures[:, ::-1]

@@ -1,4 +1,4 @@
-"""Hyperbola fitted to a loading, and to the ends of its band of closure, for other programs."""
+"""Hyperbolas fitted to a loading and to the limits of its band of closure, for other programs."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.exports.loading import CHOICES, ENDS, End, known_loadings, loading_by_ending
+from jointclosure.exports.loading import (
+    BAND_LIMITS,
+    CHOICES,
+    BandLimit,
+    known_loadings,
+    loading_by_suffix,
+)
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of
@@ -17,13 +23,14 @@ from jointclosure.statistics.number_texts import percent
 
 _PROGRAMS = "PorePy, UDEC, 3DEC"
 """Programs that receive constants of fitted hyperbolas."""
-MISFIT = 0.5
-"""Relative difference of the stiffness of a hyperbola from that of the joint, beyond which a
-warning says so. A program that receives the hyperbola then has another joint."""
+STIFFNESS_DIFFERENCE = 0.5
+"""Relative difference between the stiffness of the fitted hyperbola and the stiffness of the joint
+above which the remark on it is a warning: a program that receives such a hyperbola has another
+joint."""
 
 
 class Hyperbola(NamedTuple):
-    """Hyperbola of a loading: kni [Pa/m], Vm [m] and mean aperture at seating [m]."""
+    """Hyperbola fitted to a loading: kni [Pa/m], Vm [m], and the mean aperture at seating [m]."""
 
     stiffness: float
     largest_closure: float
@@ -33,18 +40,25 @@ class Hyperbola(NamedTuple):
 def _hyperbolas(
     joint: xr.Dataset, curves: pd.DataFrame, cycle: int
 ) -> tuple[dict[str, Hyperbola], list[str], dict[str, float]]:
-    """Return the hyperbolas of a loading by endings of constants, and remarks on ends without one.
+    """Fit hyperbolas to the loading of a cycle, and to the limits of its band of closure.
 
-    The last value is how far closures of each hyperbola are off at most, over the largest closure.
+    Return the hyperbolas, remarks on the limits of the band that have none, and the closure error
+    of each hyperbola: the largest difference of its closures from those to which it was fitted,
+    over the largest of these closures [1]. Hyperbolas and errors are by the suffix of the names of
+    their constants (`BandLimit.suffix`), which is "" for the joint.
 
-    They are net, because programs deform the rock themselves, and count from the seating stress,
-    at which all have the aperture of the joint. That of the joint is the one of `fitted_laws`;
-    those of a band are fitted at the same stresses. Raise `InputError` if the joint has none.
+    Closures are net, because the programs deform the rock themselves. They count from the seating
+    stress, at which every hyperbola has the mean aperture of the joint. The hyperbola of the joint
+    is the one of `fitted_laws`; the limits of the band are fitted at the same stresses.
+
+    Raise `InputError` if the loading does not begin at or below the seating stress, if it goes
+    beyond the maximum of a former cycle, or if the joint itself has no hyperbola: kni or Vm is
+    undetermined or not positive, or the aperture is not positive.
     """
     history = history_of(joint)
     seating = 1e-6 * history.seating_stress
     law = LAWS["hyperbolic"]
-    loadings = loading_by_ending(joint, curves, cycle)
+    loadings = loading_by_suffix(joint, curves, cycle)
     former = history.former_maxima[cycle - 1]
     if former:
         raise InputError(
@@ -54,24 +68,24 @@ def _hyperbolas(
     aperture = 1e3 * history.curve("mean_aperture").seat(cycle, LOADING)
     stress, closure = law_curves(joint)[cycle, LOADING]
     hyperbolas = {}
-    misses: dict[str, float] = {}
+    closure_errors: dict[str, float] = {}
     remarks: list[str] = []
 
-    def leave_out(end: End, reason: str) -> None:
-        """Note why an end of the band has no constants; without those of the joint raise this."""
-        if not end.ending:
+    def leave_out(limit: BandLimit, reason: str) -> None:
+        """Add a remark on a limit of the band without constants; raise it for the joint itself."""
+        if not limit.suffix:
             raise InputError(reason)
         remarks.append(
-            f"{_PROGRAMS}: not written: {end.joint} (end of the band of closure): {reason}"
+            f"{_PROGRAMS}: not written: {limit.joint} (end of the band of closure): {reason}"
         )
 
-    for of_band, rows in loadings.items():
-        end = ENDS[of_band]
+    for suffix_of_columns, rows in loadings.items():
+        limit = BAND_LIMITS[suffix_of_columns]
         if rows.closure_net_since_seating_mm.isna().any():  # with other choices of the model
-            leave_out(end, "its closure is not known at every stress")
+            leave_out(limit, "its closure is not known at every stress")
             continue
-        more = _difference_at(stress, rows, loadings[""], seating)
-        (stiffness, largest), _, _ = fit_law(law, stress, closure + more, seating)
+        fitted_to = closure + _difference_from_joint(stress, rows, loadings[""], seating)
+        (stiffness, largest), _, _ = fit_law(law, stress, fitted_to, seating)
         if not np.isfinite([stiffness, largest]).all():
             reason = (
                 f"the loading of cycle {cycle} hardly bends: Vm is undetermined, more than "
@@ -82,79 +96,101 @@ def _hyperbolas(
                     f"the loading of cycle {cycle} does not determine kni, which is less than its "
                     "standard error"
                 )
-            leave_out(end, reason)
+            leave_out(limit, reason)
             continue
         if not (stiffness > 0.0 and largest > 0.0 and aperture > 0.0):
             leave_out(
-                end,
+                limit,
                 f"the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm "
                 f"= {largest:g} mm at a mean aperture of {aperture:g} mm: all must be positive",
             )
             continue
-        miss = law.closure(stress, seating, stiffness, largest) - (closure + more)
-        misses[end.ending] = float(np.abs(miss).max() / (closure + more).max())
-        hyperbolas[end.ending] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture)
-    return hyperbolas, remarks, misses
+        error = law.closure(stress, seating, stiffness, largest) - fitted_to
+        closure_errors[limit.suffix] = float(np.abs(error).max() / fitted_to.max())
+        hyperbolas[limit.suffix] = Hyperbola(1e9 * stiffness, 1e-3 * largest, 1e-3 * aperture)
+    return hyperbolas, remarks, closure_errors
 
 
 class FittedLoading(NamedTuple):
-    """Hyperbolas of a loading by endings of constants, or the ``reason`` why the joint has none.
+    """Hyperbolas fitted to a loading, or the ``reason`` why none fits the joint.
 
-    ``remarks`` name the ends of the band that have none, and state the ``misfit``: how far the
-    stiffness of the hyperbola is from that of the joint.
+    ``hyperbolas`` are by the suffix of the names of their constants, "" for the joint. ``remarks``
+    name the limits of the band without a hyperbola, and state how well the hyperbola fits the
+    joint. ``stiffness_difference`` says in words how far the stiffness of the hyperbola is from the
+    stiffness of the joint. If there is a reason, everything else is empty.
     """
 
     hyperbolas: dict[str, Hyperbola]
     remarks: list[str]
     reason: str = ""
-    misfit: str = ""
+    stiffness_difference: str = ""
 
     def required_by(self, programs: str) -> dict[str, Hyperbola]:
-        """Return the hyperbolas; raise `InputError`, which names programs, if there are none."""
+        """Return the fitted hyperbolas; if none fits the joint, raise `InputError`.
+
+        The message names the ``programs`` that need the constants, and has the `reason`.
+        """
         if self.reason:
             raise InputError(f"{programs}: {self.reason}")
         return self.hyperbolas
 
 
 def fitted_loading(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> FittedLoading:
-    """Fit hyperbolas to a loading, and to the ends of its band of closure (`_hyperbolas`)."""
+    """Fit hyperbolas to the loading of a cycle, and to the limits of its band of closure.
+
+    ``curves`` is the `stress_table` of the joint, with bands if they are known. If no hyperbola
+    fits the joint, nothing is raised: the result then has the ``reason``.
+    """
     try:
-        hyperbolas, remarks, misses = _hyperbolas(joint, curves, cycle)
+        hyperbolas, remarks, closure_errors = _hyperbolas(joint, curves, cycle)
     except InputError as error:
         return FittedLoading({}, [], str(error))
     loadings = known_loadings(joint, curves)
     seating = history_of(joint).seating_stress
-    misfit, largest = _tangent_misfit(hyperbolas[""], loadings[loadings.cycle == cycle], seating)
-    remark = f"{_PROGRAMS}, of cycle {cycle}: the stiffness of the fitted hyperbola {misfit}"
-    remark += f"; its closures are off by up to {percent(misses[''])} of the largest"
-    if of_choices := [miss for ending, miss in misses.items() if ending.endswith(CHOICES)]:
+    words, largest = _stiffness_difference(
+        hyperbolas[""], loadings[loadings.cycle == cycle], seating
+    )
+    remark = f"{_PROGRAMS}, of cycle {cycle}: the stiffness of the fitted hyperbola {words}"
+    remark += f"; its closures are off by up to {percent(closure_errors[''])} of the largest"
+    of_choices = [error for suffix, error in closure_errors.items() if suffix.endswith(CHOICES)]
+    if of_choices:
         remark += f", with other choices of the model by up to {percent(max(of_choices))}"
-    if largest > MISFIT:
+    if largest > STIFFNESS_DIFFERENCE:
         remark = caution(
             f"{remark}; joint_stiffness.dat has the stiffness of the joint itself, for programs "
             "that read tables"
         )
     remarks.append(remark)
-    return FittedLoading(hyperbolas, remarks, misfit=misfit)
+    return FittedLoading(hyperbolas, remarks, stiffness_difference=words)
 
 
-def _difference_at(
+def _difference_from_joint(
     stress: np.ndarray, rows: pd.DataFrame, of_joint: pd.DataFrame, seating: float
 ) -> np.ndarray:
-    """Return how much more an end of a band closes than the joint (n,) [mm] at stresses [MPa]."""
+    """Return the closure of a limit of the band less the closure of the joint (n,) [mm].
+
+    It is a monotone cubic between the stresses of the tables ``rows`` (the limit) and ``of_joint``,
+    read at stresses (n,) [MPa] and constant beyond the tables. It is 0 at the first stress of the
+    tables, or at a ``seating`` stress [MPa] of 0.
+    """
     column = "closure_net_since_seating_mm"
-    known = rows.normal_stress_MPa.to_numpy()
-    more = (rows[column] - of_joint[column]).to_numpy()
-    if seating == 0.0:  # the first known stress is above seating, from which closures count
-        known = np.insert(known, 0, 0.0)
-        more = np.insert(more, 0, 0.0)
-    return cubic_over(known, more - more[0])(np.clip(stress, known[0], known[-1]))
+    tabulated = rows.normal_stress_MPa.to_numpy()
+    difference = (rows[column] - of_joint[column]).to_numpy()
+    if seating == 0.0:  # the first tabulated stress is above seating, from which closures count
+        tabulated = np.insert(tabulated, 0, 0.0)
+        difference = np.insert(difference, 0, 0.0)
+    at = np.clip(stress, tabulated[0], tabulated[-1])
+    return cubic_over(tabulated, difference - difference[0])(at)
 
 
-def _tangent_misfit(law: Hyperbola, loading: pd.DataFrame, seating: float) -> tuple[str, float]:
-    """Say how far the stiffness of a hyperbola is from that of its loading, above seating [Pa].
+def _stiffness_difference(
+    law: Hyperbola, loading: pd.DataFrame, seating: float
+) -> tuple[str, float]:
+    """Return how far the stiffness of a hyperbola is from the stiffness of the ``loading``.
 
-    The second value is the largest relative difference [1], 0 where the loading is not known.
+    The first value says in words the range of the relative differences above the ``seating`` stress
+    [Pa], the second is the largest of them in magnitude [1]: 0 if the table of the loading has no
+    stiffness there.
     """
     rows = loading[1e6 * loading.normal_stress_MPa > seating]
     rows = rows.dropna(subset="normal_stiffness_net_MPa_per_mm")

@@ -31,11 +31,12 @@ def joint_files(
     Parameters
     ----------
     joint
-        A joint that `simulate` returns, or ``history`` of one that `close` returns.
+        History of the joint: what `simulate` returns, or the ``history`` of what `close` returns.
     curves
-        Its `stress_table`, with bands if they are known; ``curves`` of one that `close` returns.
+        `stress_table` of the joint, with bands if they are known: the ``curves`` of what `close`
+        returns.
     laws
-        Its laws of Barton and Bandis; ``laws`` of one that `close` returns.
+        Laws of Barton and Bandis of the joint: the ``laws`` of what `close` returns.
     cycle
         Number of the cycle whose loading the constants for other programs describe.
 
@@ -43,8 +44,8 @@ def joint_files(
     -------
     Exported
         Texts, constants [SI] and a mesh [m] by names of files, as `write` of
-        `jointclosure.storage.folders` takes them. Remarks state what the files describe, and why a
-        program receives none. A joint that failed has neither.
+        `jointclosure.storage.folders` takes them. Remarks state what the files describe, and why
+        the input of a program is left out. A joint that failed has no files and no remarks.
     """
     if failed(joint):
         return Exported({}, [])

@@ -1,4 +1,4 @@
-"""Loading of one cycle, and the ends of its bands, as other programs receive them."""
+"""Loading of one cycle and the limits of its bands, as other programs receive them."""
 
 from typing import Any, NamedTuple
 
@@ -13,55 +13,60 @@ from jointclosure.joint.cycle_results import net_responses
 from jointclosure.joint.history import history_of
 from jointclosure.joint.result_tables import columns_of, has_bands, wider_columns_of
 from jointclosure.joint.status import LOADING
-from jointclosure.uncertainty.published_joints import measured_range
+from jointclosure.uncertainty.published_joints import beyond_measured, measured_range
 
 _EXPORTED = "constants for other programs (barton_bandis.dat, porepy*.json) and tables for GEOS"
 
 
 class Exported(NamedTuple):
-    """Contents of files by their names, and remarks on them and on files that are not written."""
+    """Contents of exported files by file name; remarks on these files and on those left out."""
 
     files: dict[str, Any]
     remarks: list[str]
 
 
-class End(NamedTuple):
-    """The joint, or an end of its bands: addition to titles, ending of constants, and their joint.
+class BandLimit(NamedTuple):
+    """The joint, or a limit of its bands, in the names of exported quantities.
 
-    The constants are fitted to this end of the band of closure. They are not the ends of ranges: a
-    joint that closes less may have a larger or a smaller kni.
+    ``title`` is appended to the titles of curves. ``suffix`` is appended to the names of constants
+    of the hyperbola that is fitted to this limit of the band of closure, and ``joint`` describes
+    a joint that closes like this limit. Its constants are not the ends of the ranges of kni and Vm:
+    a joint that closes less may have a larger or a smaller kni.
     """
 
     title: str
-    ending: str
+    suffix: str
     joint: str
 
 
 _CHOICES = " with other choices of the model"
 CHOICES = "_with_choices"
-"""Ending of names of ends of bands with other choices of the model."""
-ENDS = {
-    "": End("", "", "the joint"),
-    "_low": End(", low end of its band", "_closes_less", "a joint that closes less"),
-    "_high": End(", high end of its band", "_closes_more", "a joint that closes more"),
-    "_low_with_choices": End(
+"""End of the suffixes of limits of bands with other choices of the model."""
+BAND_LIMITS = {
+    "": BandLimit("", "", "the joint"),
+    "_low": BandLimit(", low end of its band", "_closes_less", "a joint that closes less"),
+    "_high": BandLimit(", high end of its band", "_closes_more", "a joint that closes more"),
+    "_low_with_choices": BandLimit(
         f", low end of its band{_CHOICES}",
         "_closes_less_with_choices",
         f"a joint that closes less,{_CHOICES}",
     ),
-    "_high_with_choices": End(
+    "_high_with_choices": BandLimit(
         f", high end of its band{_CHOICES}",
         "_closes_more_with_choices",
         f"a joint that closes more,{_CHOICES}",
     ),
 }
-"""The joint and the ends of its bands, by endings of columns of a `stress_table`."""
+"""The joint (suffix "") and the limits of its bands, by the suffix of columns of a `stress_table`.
+
+The suffix of the names of constants is another one (`BandLimit.suffix`)."""
 
 
 def loading_remark(joint: xr.Dataset, cycle: int) -> str:
-    """State of which loading the constants for other programs are.
+    """Return the remark that names the loading to which the constants for other programs belong.
 
-    It is a warning if that loading is stiffer or softer, against the first, than measured ones.
+    It is a warning if the ratio of the stiffness of this loading to the stiffness of the first one
+    is outside of the range of the measured joints (`beyond_measured`).
     """
     remark = f"{_EXPORTED} are of {loading_text(joint, cycle)}"
     later = joint.sizes["cycle"]
@@ -72,28 +77,25 @@ def loading_remark(joint: xr.Dataset, cycle: int) -> str:
 
 
 def stiffness_ratio(joint: xr.Dataset, cycle: int) -> float:
-    """Return the chord stiffness of a later cycle over that of the first, NaN for the first."""
+    """Return the net chord stiffness of a later cycle over that of cycle 1 [1]; NaN for cycle 1."""
     if cycle == 1:
         return np.nan
     stiffness = net_responses(joint)["stiffness_net"]
     return float(stiffness[cycle - 1] / stiffness[0])
 
 
-def beyond_measured(ratio: float) -> bool:
-    """Return whether a `stiffness_ratio` is known, and outside of measured ones."""
-    low, high = measured_range("stiffness_ratio")
-    return bool(np.isfinite(ratio)) and not low <= ratio <= high
-
-
 def known_loadings(joint: xr.Dataset, curves: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of loadings where closure is known, without stresses that a user named."""
+    """Return the rows of loadings in a `stress_table` whose closure, and its band, are known.
+
+    Rows at stresses that a user named are left out.
+    """
     usual = curves.normal_stress_MPa.isin(history_of(joint).table_levels() / 1e6)
     loading = curves[usual & (curves.branch == LOADING)]
     return loading.dropna(subset=columns_of(curves, "closure_net_since_seating_mm"))
 
 
 def loading_text(joint: xr.Dataset, cycle: int) -> str:
-    """Describe the loading of input of other programs, and how stiff it is against the first."""
+    """Describe the loading of a cycle that is exported, and its stiffness relative to cycle 1."""
     if cycle == 1:
         return "cycle 1, the first loading"
     about = f"cycle {cycle}"
@@ -109,13 +111,15 @@ def loading_text(joint: xr.Dataset, cycle: int) -> str:
     return about
 
 
-def loading_by_ending(
+def loading_by_suffix(
     joint: xr.Dataset, curves: pd.DataFrame, cycle: int
 ) -> dict[str, pd.DataFrame]:
-    """Return the rows of the loading of a cycle, by endings of files.
+    """Return the rows of the loading of a cycle for the joint and for each limit of its bands.
 
-    The ending "" is that of the joint, the others of `ENDS` are those of ends of bands that are
-    known. Raise `InputError` if the loading does not begin at or below the seating stress.
+    The tables are by suffix of columns, as in `BAND_LIMITS`: "" for the joint, and the limits that
+    ``curves``, a `stress_table`, has. The columns of every table have the names of `CURVES` without
+    a suffix. Raise `InputError` if the loading does not begin at or below the seating stress, or
+    has no known closure.
     """
     history = history_of(joint)
     loading = history.cycles[cycle - 1].loading
@@ -127,21 +131,22 @@ def loading_by_ending(
             f"the loading of cycle {cycle} does not begin at or below the seating stress, "
             f"{history.seating_stress:g} Pa"
         )
-    of_ends = {}
+    tables = {}
     shown = [name for name in CURVES if name in rows]
-    for ending in ENDS:
-        if f"{shown[0]}{ending}" in rows:
-            of_end = {name: rows[f"{name}{ending}"] for name in shown}
+    for suffix in BAND_LIMITS:
+        if f"{shown[0]}{suffix}" in rows:
+            of_limit = {name: rows[f"{name}{suffix}"] for name in shown}
             about = rows[["cycle", "normal_stress_MPa"]]
-            of_ends[ending] = pd.DataFrame(of_end | dict(about))
-    return of_ends
+            tables[suffix] = pd.DataFrame(of_limit | dict(about))
+    return tables
 
 
-def range_texts(curves: pd.DataFrame, low: str, high: str, choices: str) -> list[str]:
-    """Explain the endings of names.
+def suffix_legend(curves: pd.DataFrame, low: str, high: str, choices: str) -> list[str]:
+    """Explain the suffixes of constants in exported files: one sentence for each range.
 
-    These are ``low`` and ``high`` for ends of the range, with ``choices`` appended for the wider
-    range.
+    The suffixes ``low`` and ``high`` stand for the limits of the range of the joint. With
+    ``choices`` appended they stand for the limits of the wider range with other choices of the
+    model. ``curves`` is a `stress_table`; without bands in it nothing is returned.
     """
     lines: list[str] = []
     if has_bands(curves):

@@ -6,17 +6,17 @@ import xarray as xr
 
 from jointclosure.exports.hyperbola import FittedLoading, fitted_loading
 from jointclosure.exports.loading import (
-    ENDS,
+    BAND_LIMITS,
     Exported,
-    beyond_measured,
     loading_text,
-    range_texts,
     stiffness_ratio,
+    suffix_legend,
 )
 from jointclosure.joint.history import history_of
 from jointclosure.joint.laws import JointLaws, loading_hyperbolas
 from jointclosure.joint.result_tables import columns_of, wider_columns_of
 from jointclosure.joint.status import ONLY_BOUNDS
+from jointclosure.uncertainty.published_joints import beyond_measured
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 
 _STIFFNESS_FUNCTION = """
@@ -37,11 +37,13 @@ def barton_bandis_commands(
 ) -> Exported:
     """Return Barton-Bandis constants [SI] as FISH variables, for UDEC and 3DEC.
 
-    Those fitted to the loading of a cycle count from seating, and are given for joints at the ends
-    of the bands of closure too; its hyperbolas are ``fitted`` unless they are given. Those fitted
-    to the other loadings have the number of their cycle in their names. Those of the empirical law,
-    of JRC and JCS at both lengths, are named so, and count from zero stress. If only these exist,
-    a remark has the reason. Raise `InputError` if there are no constants at all.
+    The constants ``bb_kni`` and ``bb_vm`` of the hyperbola fitted to the loading of a cycle count
+    from the seating stress, and exist for the limits of its band of closure too. ``fitted`` are
+    these hyperbolas, which are computed if they are not given. Constants fitted to the other
+    loadings have the number of their cycle in their names. Constants of the empirical law, for JRC
+    and JCS at the lengths of the laboratory joint and of the joint, have the word empirical in
+    their names, and count from zero stress. If only the empirical ones exist, a remark has the
+    reason. Raise `InputError` if there are no constants at all.
     """
     seating = float(joint.attrs["seating_stress_Pa"])
     values: dict[str, tuple[float, str]] = {}
@@ -74,12 +76,12 @@ def barton_bandis_commands(
         function = f"; no {without}\n"
         remarks.append(f"not written: {without}")
     hyperbolas = fitted.hyperbolas if values else fitted.required_by("UDEC, 3DEC")
-    joints = {end.ending: end.joint for end in ENDS.values()}
-    for ending, known in hyperbolas.items():
-        end = f": {joints[ending]}, an end of the band of closure" if ending else ""
-        where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {cycle}{end}"
-        values[f"bb_kni{ending}"] = known.stiffness, f"kni (Pa/m) {where}"
-        values[f"bb_vm{ending}"] = known.largest_closure, f"Vm (m) {where}"
+    joints = {limit.suffix: limit.joint for limit in BAND_LIMITS.values()}
+    for suffix, known in hyperbolas.items():
+        of_limit = f": {joints[suffix]}, an end of the band of closure" if suffix else ""
+        where = f"of the hyperbola fitted from {1e-6 * seating:g} MPa to cycle {cycle}{of_limit}"
+        values[f"bb_kni{suffix}"] = known.stiffness, f"kni (Pa/m) {where}"
+        values[f"bb_vm{suffix}"] = known.largest_closure, f"Vm (m) {where}"
     others = [number for number in joint.cycle.values if hyperbolas and number != cycle]
     for number, constants in loading_hyperbolas(joint, others).iterrows():
         if np.isfinite(constants).all():
@@ -95,8 +97,9 @@ def barton_bandis_commands(
             "; bb_kni and bb_vm are of the simulated joint (names with empirical are not): of "
             f"{loading_text(joint, cycle)}"
         )
-        head.append(f"; the stiffness of the hyperbola of bb_kni and bb_vm {fitted.misfit}")
-        ranges = range_texts(curves, "_closes_less", "_closes_more", "_with_choices")
+        words = fitted.stiffness_difference
+        head.append(f"; the stiffness of the hyperbola of bb_kni and bb_vm {words}")
+        ranges = suffix_legend(curves, "_closes_less", "_closes_more", "_with_choices")
         head += [f"; {line}" for line in ranges]
     text = "\n".join([*head, *lines]) + "\n" + function
     return Exported({"barton_bandis.dat": text}, remarks)
@@ -114,8 +117,12 @@ _TABLES = (
 
 
 def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> Exported:
-    """Return commands of 3DEC 7 that define tables by cycle, branch and end of a band."""
-    lines = [f"; {line}" for line in range_texts(curves, "-low", "-high", "-with-choices")]
+    """Return commands of 3DEC 7 that define tables of stiffness and aperture over stress [SI].
+
+    There is a table for each cycle, branch, and limit of a band. ``curves`` is the `stress_table`
+    of the joint, whose unknown values are no points of the tables.
+    """
+    lines = [f"; {line}" for line in suffix_legend(curves, "-low", "-high", "-with-choices")]
     last = joint.sizes["cycle"]
     if beyond_measured(stiffness_ratio(joint, last)):
         lines.append(
@@ -125,20 +132,21 @@ def itasca_tables(joint: xr.Dataset, curves: pd.DataFrame) -> Exported:
     for comment, name, column, scale in tables:
         lines.append(f"; {comment}")
         for member in [*columns_of(curves, column), *wider_columns_of(curves, column)]:
-            ending = member.removeprefix(column).replace("_", "-")
+            suffix = member.removeprefix(column).replace("_", "-")
             for (cycle, branch), part in curves.dropna(subset=member).groupby(["cycle", "branch"]):
                 pairs = zip(1e6 * part.normal_stress_MPa, scale * part[member], strict=True)
                 text = " ".join(f"({stress:.6e},{value:.6e})" for stress, value in pairs)
-                lines.append(f"table '{name}-cycle-{cycle}-{branch}{ending}' add {text}")
+                lines.append(f"table '{name}-cycle-{cycle}-{branch}{suffix}' add {text}")
         if column == "hydraulic_aperture_mm":
             lines += _unknown_apertures(curves)
     return Exported({"joint_stiffness.dat": "\n".join(lines) + "\n"}, [])
 
 
 def _unknown_apertures(curves: pd.DataFrame) -> list[str]:
-    """Return comments on the stresses at which only bounds of the aperture or its range are known.
+    """Return comments on the stresses at which the hydraulic aperture, or its range, is unknown.
 
-    The range is not known if the flow of one of the variants of the joint is not.
+    Only the bounds of the aperture are known there. Its range is unknown if the flow of one of the
+    variants of the joint is unknown.
     """
     lines = []
     for status, tables in (("flow_status", ""), (RANGE_FLOW_STATUS, ", tables of the range")):

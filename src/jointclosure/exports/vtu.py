@@ -8,11 +8,11 @@ from jointclosure.joint.history import history_of
 
 
 def fracture_mesh(joint: xr.Dataset) -> Exported:
-    """Triangulate the midplane of the joint at its end, where the walls just touch.
+    """Triangulate the midplane of a joint whose walls, as they are at the end, just touch.
 
-    The mesh has points (n, 3) [m], triangles (m, 3), and fields of triangles (m,), two of which lie
-    between four cells: ``aperture`` [m], the mean of the corners, ``contact``, 1 if one of them is
-    in contact, and ``MaterialIDs``, 0.
+    Every cell is a point of the mesh (n, 3) [m], and four neighbouring cells are the corners of two
+    triangles (m, 3). The fields of triangles (m,) are ``aperture`` [m], the mean of the three
+    corners, ``contact``, 1 if a corner is in contact, else 0, and ``MaterialIDs``, 0.
     """
     upper = joint.upper_final.values
     lower = joint.lower_final.values

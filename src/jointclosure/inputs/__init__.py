@@ -1,4 +1,4 @@
-"""Checks of arguments, units of length, keywords, and remarks on input."""
+"""Input of a user: checks of arguments, units of length, keywords, extras, and remarks."""
 
 from jointclosure.inputs.checks import (
     LENGTHS,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 LENGTHS = (1e-15, 1e15)
-"""Smallest and largest allowed spacing [m]; the second is also the largest allowed height."""
+"""Smallest and largest allowed grid spacing [m]; the largest is also the largest allowed height."""
 
 SIZES = (1e-100, 1e100)
 """Smallest and largest allowed size of numbers whose squares and products are computed."""
@@ -22,7 +22,7 @@ class InputError(ValueError):
 
 @contextmanager
 def naming(where: str) -> Iterator[None]:
-    """Put a name in front of the message of an `InputError`."""
+    """Put ``where`` in front of the message of any `InputError` that is raised inside."""
     try:
         yield
     except InputError as error:
@@ -30,7 +30,10 @@ def naming(where: str) -> Iterator[None]:
 
 
 def real_array(name: str, values: ArrayLike) -> np.ndarray:
-    """Convert real, finite, unmasked numbers to a new float64 array; `InputError` for others."""
+    """Convert real, finite, unmasked numbers of any shape to a new float64 array.
+
+    Raise `InputError` for anything else; ``name`` is that of the argument in the message.
+    """
     if np.ma.is_masked(values):
         raise InputError(f"{name}: has masked values; fill or crop them first")
     try:
@@ -52,7 +55,7 @@ def real_array(name: str, values: ArrayLike) -> np.ndarray:
 
 
 def check_count(name: str, value: int, least: int = 1, most: int | None = None) -> None:
-    """Raise `InputError` unless a value is a whole number from the least to the most allowed."""
+    """Raise `InputError` unless a value is a whole number from ``least`` to ``most``, if stated."""
     check_number(name, value, whole=True)
     if value < least:
         raise InputError(f"{name} = {value!r}: must be at least {least}")
@@ -62,7 +65,10 @@ def check_count(name: str, value: int, least: int = 1, most: int | None = None) 
 
 
 def check_sizes(name: str, values: np.ndarray) -> None:
-    """Raise `InputError` if the largest of some numbers is beyond `SIZES`, unless all are 0."""
+    """Raise `InputError` if the largest magnitude of some numbers is outside of `SIZES`.
+
+    All of them may be 0.
+    """
     largest = float(np.abs(values).max(initial=0.0))
     if largest and not SIZES[0] <= largest <= SIZES[1]:
         raise InputError(
@@ -72,9 +78,9 @@ def check_sizes(name: str, values: np.ndarray) -> None:
 
 
 def check_below(name: str, value: float, limit: float, about: str = "") -> None:
-    """Raise `InputError` unless a number lies between 0 and a limit, both excluded.
+    """Raise `InputError` unless a value is a number between 0 and a ``limit``, both excluded.
 
-    The message ends with what is said ``about`` the number.
+    ``about`` is appended to the message.
     """
     check_number(name, value)
     if not 0.0 < value < limit:
@@ -82,7 +88,11 @@ def check_below(name: str, value: float, limit: float, about: str = "") -> None:
 
 
 def check_number(name: str, value: object, whole: bool = False) -> None:
-    """Raise `InputError` unless a value is a real (or whole) number that is not a boolean."""
+    """Raise `InputError` unless a value is a real number, or with ``whole`` an integer.
+
+    Booleans are refused, and integers that do not fit in double precision, unless ``whole``. NaN
+    and infinity are accepted.
+    """
     kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
     if isinstance(value, bool | np.bool_) or not isinstance(value, kinds):
         raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
@@ -101,7 +111,10 @@ def check_length(name: str, value: float) -> None:
 
 
 def check_positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:
-    """Raise `InputError` unless a value in a unit is positive, and finite or may be infinite."""
+    """Raise `InputError` unless a value is a positive number, and finite unless it may be infinite.
+
+    ``unit`` is the unit of the value in the message.
+    """
     check_number(name, value)
     if not value > 0.0 or (math.isinf(value) and not may_be_infinite):
         raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
@@ -117,9 +130,10 @@ def check_one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
 
 
 def did_you_mean(word: object, known: Iterable[str], least: float = 0.6) -> str:
-    """Return the addition to a message that names the known word nearest to an unknown one.
+    """Return "; did you mean ...?" with the known word that is nearest to an unknown one.
 
-    It is empty if the similarity of all is below the ``least`` [1].
+    It is appended to a message. It is empty if no known word has at least the similarity ``least``,
+    from 0 to 1.
     """
     close = difflib.get_close_matches(word, known, 1, least) if isinstance(word, str) else ()
     return f"; did you mean {close[0]}?" if close else ""

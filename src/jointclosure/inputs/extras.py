@@ -16,14 +16,15 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "walls": ("SurfaceTopography", "rasterio", "trimesh"),
     "workflow": ("snakemake",),
 }
-"""Modules that each extra adds to the dependencies of the library."""
+"""Modules that each extra adds to the dependencies of the library, as they are imported."""
 
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Wrap imports of an extra; raise `InputError` with the remedy if a module is missing.
+    """Wrap imports of the modules of an extra; raise `InputError` if one of them is not installed.
 
-    ``what`` names the use of the modules in the message.
+    The message says how to install it, and that ``what`` needs it. Errors on modules that are not
+    of the extra are not changed. An `ImportWarning` inside is not shown.
     """
     try:
         with warnings.catch_warnings():
@@ -39,9 +40,9 @@ def needs(extra: str, what: str) -> Iterator[None]:
 
 
 def installing(extra: str) -> str:
-    """Return the pip command that names the packages of an extra one by one.
+    """Return the pip command that installs the packages of an extra.
 
-    It does not depend on how jointclosure was installed.
+    It names them one by one, and so does not depend on how jointclosure was installed.
     """
     entries = (entry.split("; ") for entry in importlib.metadata.requires("jointclosure") or ())
     names = [entry[0] for entry in entries if entry[1:] == [f"extra == '{extra}'"]]
@@ -49,5 +50,5 @@ def installing(extra: str) -> str:
 
 
 def installed(extra: str) -> bool:
-    """Return whether all modules of an extra are installed."""
+    """Return whether all modules of an extra are installed, without importing them."""
     return all(importlib.util.find_spec(module) is not None for module in EXTRAS[extra])

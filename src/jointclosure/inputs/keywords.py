@@ -1,4 +1,4 @@
-"""Keywords of functions: fields of a named tuple as keywords, their checks and documentation."""
+"""Functions that take the fields of a named tuple as keywords: signature, check, documentation."""
 
 import inspect
 import re
@@ -11,13 +11,17 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def takes(fields_of: Callable[..., Any], **defaults: Any) -> Callable[[Function], Function]:
-    """Return a decorator that shows the fields of a named tuple in a function's signature.
+    """Return a decorator that lists the fields of a named tuple in the signature of a function.
 
-    The fields stand in place of its ``**keywords``. ``defaults`` are those of the function by name,
-    where they differ from those of the fields.
+    It sets ``__signature__``, which `help` and editors show: the function's ``**keywords`` are
+    replaced by keyword-only arguments, one for each parameter of ``fields_of``. Calls do not
+    change: the function still receives ``**keywords``, and must check them (`check_keywords`) and
+    fill in defaults itself. ``defaults`` are the shown defaults, by name, of fields for which the
+    function uses another default than the named tuple.
     """
 
     def decorate(function: Function) -> Function:
+        """Set the signature of a function, in place, and return the function."""
         signature = inspect.signature(function)
         shown = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
         fields = inspect.signature(fields_of).parameters.values()
@@ -37,8 +41,10 @@ def check_keywords(
 ) -> None:  # fmt: skip
     """Raise `TypeError`, as Python does, for an unknown or a missing keyword of a function.
 
-    The message names a similar keyword. ``inside`` are the fields of keywords that are named
-    tuples.
+    ``function`` is its name in the message, and ``stated`` are the names of the given keywords.
+    For an unknown one the message suggests a similar one among those ``allowed``. ``inside`` are
+    the names of the fields of those keywords that are named tuples; for one of them the message
+    names the keyword to which the field belongs.
     """
     stated = list(stated)
     allowed = list(allowed)
@@ -55,7 +61,12 @@ def check_keywords(
 
 
 def documented(function: Callable[..., Any]) -> dict[str, str]:
-    """Return the documentation of each parameter of a function, or attribute of a type."""
+    """Return the description of each parameter of a function, or attribute of a type, by name.
+
+    It is read from the numpy sections Parameters or Attributes of the docstring, in one line, and
+    without units in brackets and marks of code. Further sections with such entries, as Raises, are
+    included. Without docstrings all descriptions are empty.
+    """
     _, *sections = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")
     if not sections:  # as python -OO leaves docstrings out
         return dict.fromkeys(inspect.signature(function).parameters, "")

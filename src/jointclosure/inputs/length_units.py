@@ -18,7 +18,10 @@ SPELT = {
 
 
 def size_of(units: str) -> float:
-    """Return a unit of length in metres; `InputError` lists the known units."""
+    """Return the size of a unit of length [m], by any of its spellings in `SPELT`.
+
+    Raise `InputError`, which lists the known units, for others.
+    """
     name = SPELT.get(units.strip())
     if name is None:
         known = ", ".join(UNITS)

@@ -1,4 +1,4 @@
-"""Remarks on input and results. Warnings among them have a type of their own, `Caution`."""
+"""Remarks on input and results: texts, among which warnings have the type `Caution`."""
 
 from collections.abc import Iterable
 
@@ -10,17 +10,20 @@ class Caution(str):
 
 
 def caution(text: str, about: str = "") -> Caution:
-    """Return a warning, preceded by its subject ``about``."""
+    """Return a remark that is a warning: ``about``, the word Warning, and a text."""
     return Caution(f"{about}Warning: {text}")
 
 
 def noted(remark: str) -> str:
-    """Return a remark with the word Note before it, unless it has the word Warning."""
+    """Return a remark with the word Note before it; a warning as it is."""
     return remark if isinstance(remark, Caution) else f"Note: {remark}"
 
 
 def without_word(remark: str) -> str:
-    """Return a remark without the word Warning, to be put where this is said already."""
+    """Return a warning without the word Warning, for a place that says this already.
+
+    Other remarks are returned as they are.
+    """
     return remark.replace("Warning: ", "", 1) if isinstance(remark, Caution) else remark
 
 

@@ -1,1 +1,1 @@
-"""Measured closure curves of laboratories: comparison with a study, and fit of a joint."""
+"""Measured closure curves of laboratories: reading, fit of a joint, and validation of the model."""

@@ -12,17 +12,20 @@ from jointclosure.statistics.standard_errors import CONFIDENCE
 
 
 class ComparedQuantity(NamedTuple):
-    """Quantity that is read from a measured curve, or from simulated joints."""
+    """Quantity of a measured curve or of simulated joints, by which the two are compared."""
 
     name: str  # in words
     unit: str
     values: np.ndarray  # (...)
     error: np.ndarray  # standard errors (...) of the values
-    first_loading: bool  # whether it is of the first loading alone
+    first_loading: bool  # whether it depends on the first loading alone
 
 
 def about_share(unit: str, low: float) -> str:
-    """Say what a negative share of closure is, if one is among the values from ``low`` on."""
+    """Return what a negative share of the closure that stays means, to be put behind its values.
+
+    The text is empty unless the ``unit`` is "%" and the lowest value ``low`` is below 0.
+    """
     negative = unit == "%" and low < 0.0
     return " (negative: the joint opens beyond the start of the loading)" if negative else ""
 
@@ -30,10 +33,13 @@ def about_share(unit: str, low: float) -> str:
 def compared_quantities(
     values: np.ndarray, readings: Readings, error: float = 0.0
 ) -> list[ComparedQuantity]:
-    """Compute closure at the maximum, stiffness, and the share of closure that stays, by cycle.
+    """Compute, by cycle, the closure at the maximum, the stiffness and the share that stays.
 
-    ``values`` (..., n) are readings with a relative ``error``. Ratios of later stiffnesses to the
-    first come last.
+    ``values`` (..., n) [m] are closures at the places of ``readings``, with a relative ``error`` of
+    one standard deviation. The stiffness is the chord between the two highest stresses at which the
+    cycle is read, and left out if there is one. The share of the closure that stays is left out for
+    a cycle that was not unloaded. Ratios of the stiffness of later cycles to that of the first come
+    last.
     """
     places = readings.places()
     result = []
@@ -74,11 +80,14 @@ def compared_quantities(
 def prediction_intervals(
     measured: Readings, joints: np.ndarray, error: float
 ) -> Iterator[tuple[ComparedQuantity, np.ndarray, np.ndarray]]:
-    """Generate measured quantities with the ends (nodes,) of the 95 % interval of one more joint.
+    """Generate each measured quantity with the 95 % interval that one more simulated joint keeps.
 
-    ``joints`` are readings (nodes, joints, n), whose scatter is pooled over neighbouring nodes,
-    ``error`` is the relative error of the measured ones. The scatter is that of logarithms where
-    all values are positive. For a share of closure that stays, it is that of the recovered share.
+    ``joints`` (nodes, joints, n) [m] are readings of simulated joints at neighbouring values of a
+    parameter, NaN where a joint failed. ``error`` is the relative error of the readings
+    ``measured``, which the interval contains. The ends of the interval (nodes,) are NaN at nodes at
+    which all joints failed. The scatter of the joints is pooled over neighbouring nodes, and is
+    that of the logarithms if all values are positive. For a share of the closure that stays, it is
+    the scatter of the share that is recovered.
     """
     both = (compared_quantities(values, measured, error) for values in (joints, measured.values))
     for simulated, one in zip(*both, strict=True):

@@ -30,17 +30,18 @@ from jointclosure.measured.headings import (
 )
 
 _ALLOWED = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": {}}
-"""Quantities of the columns of a curve, and their units."""
+"""Quantities of the columns of a curve, each with its allowed units in SI."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
 _FORCES = ("load", "force")
 """Last words of the headings of forces."""
 _SPECIMENS = ("specimen", "specimen_id", "sample", "sample_id", "joint", "joint_id", "test_id")
-"""Columns of which each value stands for another curve."""
+"""Headings of columns whose values name the specimen of each row."""
 
 
 _MOST_OF_FIRST = 1.1
-"""Largest closure of a later loading over that of the first, if no column numbers the cycles."""
+"""Largest allowed ratio of the closure of a later loading to that of the first loading, where no
+column numbers the cycles: with more, the later loading is taken for another specimen."""
 
 
 class TableLine(NamedTuple):
@@ -51,14 +52,17 @@ class TableLine(NamedTuple):
 
 
 class CurveColumn(NamedTuple):
-    """Position of a column in the rows, and its unit in SI."""
+    """Position of a column in the rows, and the factor that converts its values to SI."""
 
     position: int
     factor: float
 
 
 class MeasuredCurve(NamedTuple):
-    """Points (n,) of a measured curve: stress [Pa], closure [m], cycle, and line in the file."""
+    """Points (n,) of a measured curve: stress [Pa], closure [m], cycle, and line in the file.
+
+    They are in the order of measurement; cycles are numbered from 1.
+    """
 
     stress: np.ndarray
     closure: np.ndarray
@@ -67,13 +71,15 @@ class MeasuredCurve(NamedTuple):
 
     @property
     def cycles(self) -> list[int]:
-        """Return the measured cycles, ascending."""
+        """Numbers of the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
     def ascending(self, cycle: int) -> dict[str, dense_logs.MeasuredBranch]:
-        """Return loading and unloading of a cycle, both in ascending order of stress.
+        """Return the loading and the unloading of a cycle, both in ascending order of stress.
 
-        Dense logs whose values scatter are averaged (`jointclosure.measured.dense_logs.averaged`).
+        The loading ends with the point of the largest stress, and the unloading, which may have no
+        points, is without it. Dense logs whose values scatter are averaged
+        (`jointclosure.measured.dense_logs.averaged`).
         """
         here = self.cycle == cycle
         stress = self.stress[here]
@@ -86,18 +92,26 @@ class MeasuredCurve(NamedTuple):
         }
 
     def branches(self, cycle: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Return stress and closure of a cycle, up to its largest stress and beyond it."""
+        """Return stresses [Pa] and closures [m] of the loading and of the unloading of a cycle.
+
+        They are as in `ascending`, but the unloading descends, as it was measured.
+        """
         up, down = self.ascending(cycle).values()
         return {LOADING: up[:2], UNLOADING: (down.stress[::-1], down.closure[::-1])}
 
     def first_loading(self) -> "MeasuredCurve":
-        """Return the curve up to the largest stress of its first cycle."""
+        """Return the part of the curve up to the largest stress of its first cycle."""
         here = np.flatnonzero(self.cycle == self.cycle.min())
         here = here[: dense_logs.place_of_largest(self.stress[here]) + 1]
         return MeasuredCurve(*(column[here] for column in self))
 
     def since_seating(self, cycle: int, seating_stress: float):
-        """Generate branch, stress (n,) [Pa] and closure since seating (n,) [m] of a cycle."""
+        """Generate the branches of a cycle with their closures since seating.
+
+        Each is the name of the branch, stresses (n,) [Pa] and closures (n,) [m], which count from
+        where the loading reaches the ``seating_stress`` [Pa]. Points of the loading at or below
+        this stress are left out, and points of the unloading below 0.
+        """
         branches = self.branches(cycle)
         zero = crossing(*branches[LOADING], seating_stress)
         for branch, (stress, closure) in branches.items():
@@ -130,6 +144,11 @@ def parsed_curve(
         Headings, or numbers from 1, of the columns of stress, closure and cycle.
     area : float, optional
         Loaded area [m2], by which a column of forces becomes one of stresses.
+
+    Returns
+    -------
+    MeasuredCurve
+        Points in SI units, in the order of the file. They are not checked yet (`check_curve`).
 
     Raises
     ------
@@ -188,7 +207,11 @@ class _Table(NamedTuple):
 
 
 def _split_table(every: Sequence[TableLine], name: str, names: Sequence[str] | None) -> _Table:
-    """Find the headings among the lines of a file, and split them and the rows below."""
+    """Find the line of headings in a file, and split it and the rows below it into cells.
+
+    Lines that begin with # are left out. ``name`` is the file in messages, ``names`` are the
+    columns that the user named. Raise `InputError` if nothing is left, or if there is one column.
+    """
     lines = [line for line in every if line.text.lstrip()[0] != "#"]
     if not lines:
         raise InputError(f"{name}: has no header and no rows")
@@ -213,7 +236,10 @@ def _split_table(every: Sequence[TableLine], name: str, names: Sequence[str] | N
 def _parsed_columns(
     body: Sequence[tuple[int, list[str]]], found: dict[str, CurveColumn], name: str
 ) -> dict[str, np.ndarray]:
-    """Return the numbers (n,) of each column that was found, in the units of the file."""
+    """Return the values (n,) of each column that was ``found``, in the units of the file.
+
+    Raise `InputError` if there are no rows, or for a cell that is no number (`_parsed_number`).
+    """
     if not body:
         raise InputError(f"{name}: has a header and no rows")
     columns = {quantity: found[quantity].position for quantity in _ALLOWED if quantity in found}
@@ -225,10 +251,11 @@ def _parsed_columns(
 
 
 def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
-    """Return a curve of one cycle with its loadings as cycles; points between two belong to both.
+    """Return a curve whose loadings are numbered as cycles, from the number that all points have.
 
-    Raise `InputError` for a later loading that closes the joint further than the first: it is
-    probably of another specimen.
+    The point of smallest stress between two loadings ends one cycle and begins the next: it is
+    there twice. Raise `InputError` for a later loading that closes the joint by more than
+    `_MOST_OF_FIRST` times the closure of the first: it is probably of another specimen.
     """
     ends = [0, *dense_logs.troughs(curve.stress), curve.stress.size - 1]
     parts = [np.arange(start, end + 1) for start, end in itertools.pairwise(ends)]
@@ -250,9 +277,11 @@ def _number_loadings(curve: MeasuredCurve, name: str) -> MeasuredCurve:
 
 
 def _place_of_header(lines: Sequence[TableLine], names: Sequence[str] | None) -> int:
-    """Return the place of the header among lines, 0 if none is recognised.
+    """Return the index of the line of headings among ``lines``, 0 if none is recognised.
 
-    Other text may stand above it.
+    Other text may stand above the headings. ``names`` are the headings or the numbers of the
+    columns that the user named. If no line has them, or the words stress and closure, the headings
+    are those above the first line of numbers.
     """
     if names and all(map(str.isdecimal, names)):
         return _place_above_numbers(lines, [int(number) - 1 for number in names])
@@ -269,7 +298,11 @@ def _place_of_header(lines: Sequence[TableLine], names: Sequence[str] | None) ->
 
 
 def _place_above_numbers(lines: Sequence[TableLine], positions: Sequence[int]) -> int:
-    """Return the place of the header above the first line with numbers at some positions."""
+    """Return the index of the line of headings above the first line of numbers.
+
+    It is the first line with numbers in the columns at all ``positions``. A line of units may stand
+    between. The index is that of the line of numbers if it has no headings, and 0 without one.
+    """
     for place, line in enumerate(lines):
         cells = _cells(line.text, _separator(line.text))
         if max(positions) >= len(cells) or not all(_is_number(cells[i]) for i in positions):
@@ -285,17 +318,20 @@ def _place_above_numbers(lines: Sequence[TableLine], positions: Sequence[int]) -
 
 
 def _separator(line: str) -> str | None:
-    """Return the mark between the columns of a line, None for blanks."""
+    """Return the mark between the columns of a line: semicolon, tab, comma, or None for blanks."""
     return next((mark for mark in ";\t," if mark in line), None)
 
 
 def _is_row_of_units(cells: Sequence[str]) -> bool:
-    """Return whether cells below the headings are units: none is a number, and one is a unit."""
+    """Return whether the cells of a line are units: at least one is, and none is a number."""
     return any(map(unit_of, cells)) and not any(map(_is_number, cells))
 
 
 def _add_unit_below(heading: Heading, below: str, what: str) -> Heading:
-    """Return a heading with the unit of the row below it."""
+    """Return a heading with the unit of the cell ``below`` it; unchanged if that cell is empty.
+
+    Raise `InputError` if both have units that differ. ``what`` names the column in messages.
+    """
     if not below.strip("()[] -"):
         return heading
     unit = unit_of(below)
@@ -307,7 +343,12 @@ def _add_unit_below(heading: Heading, below: str, what: str) -> Heading:
 def _unit_of_column(
     quantity: str, heading: Heading, stated: str | None, what: str, by_columns: bool, of_study: bool
 ) -> str:
-    """Return the unit of a column: of its heading, or else as stated."""
+    """Return the unit of a column: that of its ``heading``, or else the ``stated`` one.
+
+    Raise `InputError` if there is none, or if it does not fit the ``quantity``. ``what`` names the
+    column in messages. ``by_columns`` is whether the user named the columns, so that words in the
+    heading are not taken for a unit; ``of_study`` whether messages advise a key of a study.
+    """
     allowed = _ALLOWED[quantity]
     usual = {"stress": "MPa", "closure": "mm"}[quantity]
     fitting = allowed | (FORCE_UNITS if quantity == "stress" else {})
@@ -333,7 +374,10 @@ def _unit_of_column(
 
 
 def _area_of_unit(unit: str, area: float | None, what: str, of_study: bool) -> float:
-    """Return the area [m2] by which values of a unit are divided, 1 for stresses and closures."""
+    """Return the area [m2] by which values in a ``unit`` are divided: 1 unless they are forces.
+
+    Raise `InputError` for forces without an area, and for stresses with one.
+    """
     if unit in CLOSURE_UNITS:
         return 1.0
     key = "the key area_mm2" if of_study else "--area (area= in Python)"
@@ -353,10 +397,12 @@ def _area_of_unit(unit: str, area: float | None, what: str, of_study: bool) -> f
 def _check_preamble(
     every: Sequence[TableLine], body: Sequence, name: str, what: str, unit: str, in_heading: bool
 ) -> None:
-    """Raise `InputError` for a line above the rows that states another unit than that of a column.
+    """Raise `InputError` for a line above the table that contradicts the ``unit`` of a column.
 
-    Numbers with a unit, such as the capacity of a load cell, do not count. A column with a unit in
-    its heading is not contradicted by the unit of another quantity.
+    Only lines count that speak of units or of the quantity of the column. Numbers with a unit, such
+    as the capacity of a load cell, do not count. If a stress has its unit in the heading
+    (``in_heading``), lines on loads and forces do not count either. ``what`` names the column in
+    messages, ``name`` the file.
     """
     kind = CLOSURE_UNITS if unit in CLOSURE_UNITS else STRESS_UNITS | FORCE_UNITS
     about = "closure|displacement" if unit in CLOSURE_UNITS else "stress|load|force"
@@ -378,7 +424,11 @@ def _check_preamble(
 def _check_one_table(
     header: list[str], body: Sequence, name: str, mark: str | None, has_cycles: bool
 ) -> None:
-    """Raise `InputError` for rows that are not of the table, and curves of several specimens."""
+    """Raise `InputError` for rows that do not fit the table, and for several specimens in a file.
+
+    Several specimens are recognised by a column that names them, or, without a column of cycles
+    (``has_cycles``), by lines that divide the rows. ``mark`` is what separates the columns.
+    """
     apart = "curves of several specimens must be in files of their own"
     for number, cells in body:
         at = f"{name}, line {number}"
@@ -410,7 +460,11 @@ def _check_one_table(
 
 
 def _quantities_of_columns(header: list[str], where: str, names: Sequence[str] | None) -> list[str]:
-    """Return the quantity of every column, by its heading or by names or numbers of columns."""
+    """Return the quantity of every column: "stress", "closure", "cycle" or any other word.
+
+    It follows from the headings, or from ``names``, the headings or numbers of stress, closure and
+    cycle that the user stated. Raise `InputError` for names that are missing or ambiguous.
+    """
     if names is None:
         return _quantities_of_headings(header)
     numbers = [str(1 + position) for position in range(len(header))]
@@ -438,7 +492,8 @@ def _quantities_of_columns(header: list[str], where: str, names: Sequence[str] |
 def _quantities_of_headings(header: Sequence[str]) -> list[str]:
     """Return the quantity of every column by its heading.
 
-    Without a column of stress, one of forces stands for it, which its area makes a stress.
+    Without a column of stress, a column of forces counts as "stress": the caller divides it by the
+    loaded area.
     """
     quantities = [_quantity_of_heading(cell) for cell in header]
     if "stress" in quantities:
@@ -453,7 +508,10 @@ def _is_force(heading: Heading) -> bool:
 
 
 def _quantity_of_heading(cell: str) -> str:
-    """Return the quantity of a column by its heading, the last word of which may be any unit."""
+    """Return the quantity that the heading of a column names, such as "stress".
+
+    The last word of the heading may be a unit, known or not.
+    """
     name = heading_of(cell).name
     before = name.rpartition("_")[0]
     name = before if name not in _ALIASES and before in (*_ALLOWED, *_ALIASES) else name
@@ -470,7 +528,10 @@ def _is_number(cell: str) -> bool:
 
 
 def _cells(line: str, mark: str | None) -> list[str]:
-    """Return the cells of a line. Unless the mark is a comma, decimal commas become points."""
+    """Split a line into its cells at a ``mark``, or at blanks if it is None.
+
+    Unless the mark is a comma, a cell that is a number with a decimal comma gets a point.
+    """
     split = line.split() if mark is None else next(csv.reader([line], delimiter=mark))
     cells = [cell.strip() for cell in split]
     if mark == ",":
@@ -479,7 +540,11 @@ def _cells(line: str, mark: str | None) -> list[str]:
 
 
 def _parsed_number(cell: str, where: str, quantity: str) -> float:
-    """Return the number in a cell; `InputError` names its line if it is none, or no cycle."""
+    """Return the number in a cell of a measured curve.
+
+    Raise `InputError`, which names the line ``where``, unless it is a finite number, and for a
+    cycle a whole number of at least 1.
+    """
     value = float(cell) if _is_number(cell) else math.nan
     if not math.isfinite(value):
         raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")
@@ -489,20 +554,20 @@ def _parsed_number(cell: str, where: str, quantity: str) -> float:
 
 
 CLOSURES = 0.2e-6, 20e-3
-"""Least and largest range of measured closures [m]; others are mostly in another unit."""
+"""Least and largest allowed range of the closures of a curve [m]: beyond, the unit is wrong."""
 STRESSES = 1e3, 1e9
-"""Least and largest maximum of measured stresses [Pa]."""
+"""Least and largest allowed maximum of the stresses of a curve [Pa]."""
 _OF_SCATTER = 5.0
-"""Stresses below zero that scatter explains, over its standard deviation."""
+"""Negative stress that scatter explains, over the standard deviation of the scatter."""
 
 
 def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
     """Raise `InputError` if a curve cannot be compared with simulated joints.
 
-    Its points must be in the order of the cycles, without spikes, and of usual signs and sizes.
-    Each cycle must have one loading, from at or below ``seating`` [Pa] to above it, and its
-    closure must be larger at the end than at seating. An unloading back to seating must end with
-    less closure.
+    Its points must be in the order of the cycles, without spikes, and of usual signs and sizes
+    (`_check_sizes`). Each cycle must have one loading, which starts at or below ``seating`` [Pa]
+    and ends above it, with a larger closure at the end than at seating. An unloading down to
+    seating must end with less closure than the loading. ``name`` is the curve in messages.
     """
     counts = f"seating_stress_MPa = {1e-6 * seating:g}, from which closures count"
     for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
@@ -544,7 +609,11 @@ def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
 
 
 def _check_sizes(curve: MeasuredCurve, name: str) -> None:
-    """Raise `InputError` unless numbers are finite, compression is positive, and sizes usual."""
+    """Raise `InputError` unless the numbers of a curve are finite, without spikes, and usual.
+
+    Columns must have one shape (n,). Stresses may be negative only within their scatter. The
+    largest stress must be within `STRESSES`, the range of the closures within `CLOSURES`.
+    """
     sizes = [np.shape(column) for column in curve]
     if len(set(sizes)) > 1 or len(sizes[0]) != 1 or sizes[0] == (0,):
         raise InputError(

@@ -12,14 +12,15 @@ import numpy as np
 import scipy
 
 LEAST_POINTS = 30
-"""Least number of points of a branch that are averaged."""
+"""Least number of points of a branch whose points are averaged."""
 _NOT_RISING = 0.1
-"""Least share of points that do not exceed all former ones, where a branch is averaged."""
+"""Share of the points of a branch that do not exceed all former ones, from which it is averaged."""
 _REVERSAL = 0.05
 """Least fall and rise of stress that divide two loadings, over the range of stresses."""
-_LARGEST_REVERSAL = 0.25  # the same of stresses that scatter, however much they do
+_LARGEST_REVERSAL = 0.25
+"""Fall and rise of stress, over the range of stresses, that divide two loadings in any scatter."""
 _OF_NOISE = 10.0
-"""Reversals that scatter makes, over its standard deviation."""
+"""Reversal that scatter may cause, over its standard deviation."""
 _STEPS_OVER_NOISE = 30.0
 """Rise from one mean to the next, over the standard error of a mean."""
 _FEWEST = 8
@@ -28,20 +29,21 @@ _OF_END = 3.0
 """Distance of an end from the mean before it, over its standard error, beyond which the stress was
 not held there."""
 _SPIKE = 0.2  # least size of a spike over the range of values; chosen
-_OF_NEIGHBOURS = 5.0  # the same over the changes before and after it; chosen
+_OF_NEIGHBOURS = 5.0  # least size of a spike over the changes before and after it; chosen
 _DENSE = 200
 """Least number of points of a log in which a spike is known from a jump."""
 _MOST_SMOOTHED = 50
-"""Least number of points over those of a moving average."""
+"""Least number of points of a log over the number of points of its moving average."""
 
 
 class MeasuredBranch(NamedTuple):
-    """Points (n,) of a branch in ascending order of stress [Pa] and closure [m].
+    """Branch of a measured curve: stresses (n,) [Pa] and closures (n,) [m], in ascending order.
 
-    ``points`` (n,) are the numbers of measured points of which each one is the mean. ``errors``
-    (n,) [m] are standard errors of the closures from the scatter of these points, 0 where a point
-    is as measured.
-    ``scatter`` are standard deviations of a measured stress [Pa] and closure [m].
+    Each may be as measured, or a mean of measured points. ``points`` (n,) are the numbers of
+    measured points in each mean, 1 for a point as measured. ``errors`` (n,) [m] are the standard
+    errors of the closures by the scatter of these points, 0 for a point as measured. ``scatter``
+    are the standard deviations of a single measured stress [Pa] and closure [m], 0 if no points are
+    means.
     """
 
     stress: np.ndarray
@@ -52,19 +54,21 @@ class MeasuredBranch(NamedTuple):
 
     @property
     def averaged(self) -> bool:
-        """Whether any points are means of several."""
+        """Whether any point of the branch is a mean of several measured points."""
         return bool((self.points > 1).any())
 
 
 def exceeds_former(values: np.ndarray) -> np.ndarray:
-    """Return which of the values (n,) of a branch exceed all former ones."""
+    """Return whether each of the values (n,) of a branch exceeds all former ones."""
     return np.append(True, values[1:] > np.maximum.accumulate(values)[:-1])[: values.size]
 
 
 def scatter_of(values: np.ndarray) -> float:
-    """Estimate the standard deviation of values (n,) about a smooth curve from their curvature.
+    """Estimate the standard deviation of the values (n,) of a log about a smooth curve.
 
-    If the log has values in steps, it is at least that of the rounding to a step.
+    It follows from their second differences, and is 0 for fewer than `LEAST_POINTS` values. If many
+    neighbours are equal, the log has its values in steps, and the result is at least the standard
+    deviation of the rounding to a step.
     """
     if values.size < LEAST_POINTS:
         return 0.0
@@ -78,7 +82,11 @@ def scatter_of(values: np.ndarray) -> float:
 
 
 def smoothed(stress: np.ndarray) -> np.ndarray:
-    """Return the moving average of stresses (n,) if they scatter, else the stresses."""
+    """Return the moving average (n,) of the stresses (n,) of a log; unchanged without scatter.
+
+    The average is over at most a fiftieth of the points. If it would be over fewer than three
+    points, nothing is averaged.
+    """
     width = 1
     if scatter := scatter_of(stress):
         width = round(stress.size / _number_of_means(stress.size, np.ptp(stress), scatter))
@@ -87,14 +95,16 @@ def smoothed(stress: np.ndarray) -> np.ndarray:
 
 
 def place_of_largest(stress: np.ndarray) -> int:
-    """Return the number of the point where stresses (n,) are largest, apart from scatter."""
+    """Return the index of the largest of the stresses (n,) of a log, after smoothing."""
     return int(np.argmax(smoothed(stress)))
 
 
 def troughs(stress: np.ndarray) -> list[int]:
-    """Return the indices of the smallest smoothed stress between one loading and the next.
+    """Return the indices of the stresses (n,) at which one loading ends and the next begins.
 
-    Reversals within the scatter do not count.
+    They are those of the smallest smoothed stress in between. Two loadings are divided by a fall
+    and a rise of more than ten times the scatter, but at least 5 % and at most 25 % of the range of
+    stresses.
     """
     values = smoothed(stress)
     largest = float(np.ptp(values))
@@ -119,7 +129,10 @@ def troughs(stress: np.ndarray) -> list[int]:
 
 
 def spikes(values: np.ndarray) -> np.ndarray:
-    """Return the numbers of single values of a dense log (n,) that lie far from those beside it."""
+    """Return the indices of single values of a dense log (n,) that lie far from their neighbours.
+
+    There are none in a log of fewer than `_DENSE` values, where spikes are not known from jumps.
+    """
     if values.size < _DENSE:
         return np.zeros(0, int)
     apart = np.abs(values - scipy.ndimage.median_filter(values, 5, mode="nearest"))
@@ -130,9 +143,13 @@ def spikes(values: np.ndarray) -> np.ndarray:
 
 
 def averaged(stress: np.ndarray, closure: np.ndarray) -> MeasuredBranch:
-    """Return a branch, in ascending order of stress, averaged where it is dense and scatters.
+    """Return a branch of a curve, with means of its points if it is dense and scatters.
 
-    The means are evenly spaced along the curve, at distances that exceed their standard error.
+    ``stress`` (n,) [Pa] and ``closure`` (n,) [m] are in ascending order of stress apart from
+    scatter. The branch is returned as measured if it has fewer than `LEAST_POINTS` points, or if
+    almost all stresses and closures exceed all former ones. Otherwise the means are evenly spaced
+    along the curve, at distances that exceed their standard error. An end at which the stress was
+    not held is the end of a straight line through the points there.
     """
     plain = MeasuredBranch(stress, closure, np.ones(stress.size, int), np.zeros(stress.size))
     if stress.size < LEAST_POINTS or not (_is_scattered(stress) or _is_scattered(closure)):
@@ -168,9 +185,10 @@ def averaged(stress: np.ndarray, closure: np.ndarray) -> MeasuredBranch:
 
 
 def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
-    """Return the number (n,) of the group of each point, whose means stand for the points.
+    """Return the number (n,) of the group to which each point of a branch belongs, from 0.
 
-    Groups are evenly spaced along the curve: in the sum of stress and closure over their ranges.
+    The points of a group are replaced by their mean. Groups are evenly spaced along the curve: in
+    the sum of stress and closure, each over its range. Small neighbouring groups are merged.
     """
     along = np.zeros(stress.size)
     number = 0.5 * stress.size
@@ -201,9 +219,10 @@ def _group_numbers(stress: np.ndarray, closure: np.ndarray) -> np.ndarray:
 
 
 def _line_at_end(values: np.ndarray, end: int) -> float:
-    """Return the value of a straight line through values (n,) at the first (0) or last (-1) point.
+    """Return the value at the first (0) or last (-1) point of a straight line through values (n,).
 
-    It lies within the range of the values.
+    The line is fitted over the numbers of the points. The result is clipped to the range of the
+    values.
     """
     number = np.arange(values.size) - 0.5 * (values.size - 1)
     slope = float(number @ values) / max(float(number @ number), 1.0)
@@ -211,15 +230,20 @@ def _line_at_end(values: np.ndarray, end: int) -> float:
 
 
 def _is_scattered(values: np.ndarray) -> bool:
-    """Return whether many of the values (n,) of a branch do not exceed all former ones."""
+    """Return whether the values (n,) of a branch scatter.
+
+    At least a tenth of them, and three, must not exceed all former ones.
+    """
     falls = int((~exceeds_former(values)).sum())
     return falls >= _NOT_RISING * LEAST_POINTS and falls >= _NOT_RISING * values.size
 
 
 def _number_of_means(count: int, rise: float, scatter: float) -> float:
-    """Return how many means of ``count`` points are apart by `_STEPS_OVER_NOISE` standard errors.
+    """Return into how many means ``count`` points of a branch are best divided.
 
-    ``rise`` is the change of the values from first to last, ``scatter`` their standard deviation.
+    Neighbouring means then differ by `_STEPS_OVER_NOISE` of their standard errors. ``rise`` is the
+    change of the values from first to last, ``scatter`` their standard deviation. The number is
+    from 1 to half of the points, and half of the points without scatter.
     """
     most = 0.5 * count
     if scatter == 0.0:

@@ -38,11 +38,11 @@ STRENGTHS = 4  # strengths at which joints are simulated, if they are fitted
 STRENGTH_RANGE = (0.5, 2.0)
 """Range of fitted strengths, over the given strength."""
 DOUBTFUL = 0.01
-"""Smallest p-value for which a mismatch wavelength explains the curve."""
+"""Smallest p-value with which the model is taken to explain a measured curve."""
 
 
 class Agreement(NamedTuple):
-    """Range of a fitted parameter at which simulated joints have a measured quantity."""
+    """Range of the fitted parameter at which simulated joints have one measured quantity."""
 
     name: str
     unit: str
@@ -55,12 +55,16 @@ class Agreement(NamedTuple):
 
     @property
     def missed(self) -> bool:
-        """Whether no simulated joint has the measured quantity."""
+        """Whether the measured quantity is outside of the intervals at all tried values."""
         return math.isnan(self.low)
 
 
 class Fit(NamedTuple):
-    """Fit of a joint to a measured curve; intervals are valid only for the joint ``assumed``."""
+    """Fit of a joint to a measured closure curve, as `jointclosure.fit` returns it.
+
+    Its intervals are valid only for the joint that is described by ``assumed``, and only if the
+    model explains the curve (`interval_holds`).
+    """
 
     mismatch_wavelength: Interval  # [m], 95 %: from 0 mates, to infinity independent, are allowed
     compressive_strength: Interval | None  # [Pa]
@@ -81,11 +85,14 @@ class Fit(NamedTuple):
 
     @property
     def reached(self) -> bool:
-        """Whether the model explains the curve, and joints have all first-loading readings."""
+        """Whether the model explains the curve, and joints have all quantities of first loading."""
         return self.interval_holds and not self._missed_first_loading()
 
     def sentences(self) -> list[str]:
-        """Describe the estimates, or that the model does not explain the curve, and assumptions."""
+        """Return the sentences on a fit: estimates, agreement with the curve, and assumptions.
+
+        If the model does not explain the curve, a caution stands in place of the estimates.
+        """
         wavelength = self.mismatch_wavelength
         strength = self.compressive_strength
         compared = [*self._agreement_sentences(), ABOUT_RANGES, *numerical_sentence(self.numerical)]
@@ -122,7 +129,12 @@ class Fit(NamedTuple):
         return [*lines, f"valid only for the assumed joint: {self.assumed}"]
 
     def agreements(self) -> list[Agreement]:
-        """Return at which values of the parameter single joints have each measured quantity."""
+        """Return at which values of the fitted parameter joints have each measured quantity.
+
+        The parameter is the mismatch wavelength, or the strength for scanned walls; the other one
+        of the two has its most likely value. A joint has a quantity if the measured value is within
+        the 95 % interval of a single joint.
+        """
         axis = int(self.scanned)
         logs = self.simulated.logs
         likelihood = self.likelihood
@@ -146,11 +158,14 @@ class Fit(NamedTuple):
         return result
 
     def _missed_first_loading(self) -> list[str]:
-        """Return readings of the first loading that no joint has, in words."""
+        """Return the names of the quantities of the first loading that no simulated joint has."""
         return [each.name for each in self.agreements() if each.first_loading and each.missed]
 
     def _agreement_sentences(self) -> list[str]:
-        """Describe at which wavelengths, or strengths of scanned walls, joints have a quantity."""
+        """Return a sentence on each measured quantity, with the values at which joints have it.
+
+        They are mismatch wavelengths, or strengths for scanned walls.
+        """
         likelihood = self.likelihood
         what, tried, scale, unit = (
             ("mismatch wavelengths", likelihood.wavelengths, 1e3, "mm"),
@@ -172,7 +187,10 @@ class Fit(NamedTuple):
         return lines
 
     def _unexplained_caution(self, missed: list[str]) -> str:
-        """Return the caution that the model does not explain the curve."""
+        """Return the caution that the model does not explain the curve, and what to check.
+
+        ``missed`` are the quantities of the first loading that no joint has.
+        """
         beyond = (
             f"{100.0 * (1.0 - self.p_value):.3g} %" if self.p_value > 1e-3 else "more than 99.9 %"
         )
@@ -239,11 +257,16 @@ def fit(
     Returns
     -------
     Fit
+        Estimates with 95 % intervals, the p-value of the curve, and the simulated joints.
+        ``sentences`` describes the result.
 
     Raises
     ------
     InputError
-        If a file cannot be read as a curve, or a number is out of its range.
+        If a file cannot be read as a curve, a number is out of its range, or too few joints could
+        be read.
+    TypeError
+        If a keyword is unknown, or the rock is missing.
 
     Notes
     -----
@@ -307,7 +330,11 @@ def fit(
 def _formatted_estimate(
     interval: Interval, scale: float, unit: str, least: float = 0.0, most: float = math.inf
 ) -> str:
-    """Format an estimate with its interval in a unit, and whether it is at an end of the range."""
+    """Format an estimate with its 95 % interval in a unit, such as "12 mm (95 % interval ...)".
+
+    Values are multiplied by ``scale``. ``least`` and ``most`` are the ends of the simulated range:
+    an estimate at one of them is given as a bound, an interval over all as "not bounded".
+    """
     value, low, high = (f"{scale * part:.3g}" for part in interval)
     if interval.low <= least and interval.high >= most:
         return "is not bounded: no simulated value is excluded"

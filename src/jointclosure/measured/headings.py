@@ -47,15 +47,19 @@ _MULTIPLIER = re.compile(r"[x×*·]\s*10|10\s*(?:\^|\*\*|[⁻⁰¹²³⁴⁵⁶�
 
 
 class Heading(NamedTuple):
-    """What the heading of a column states; empty where it states nothing."""
+    """What the heading of a column states: its name and unit; empty texts for nothing."""
 
-    name: str  # in small letters
-    unit: str  # a known one
-    unknown: str  # what stands in the place of a unit, and is none that is known
+    name: str  # of the quantity, in small letters
+    unit: str  # in its usual spelling, as in `KNOWN`
+    unknown: str  # text in the place of a unit that is not a known unit
 
 
 def unit_of(text: str) -> str:
-    """Return a known unit in its usual spelling, or an empty text."""
+    """Return the known unit that a text spells, as in `KNOWN`; an empty text if there is none.
+
+    Brackets, blanks, plurals and other spellings are accepted, and other cases of letters unless
+    they mean another unit.
+    """
     bare = re.sub(r"[\s()\[\]{}]", "", text).replace("µ", "u").replace("μ", "u")
     bare = bare.replace("²", "2").replace("**", "^").replace("^", "")
     per = re.fullmatch(r"([A-Za-z]+)[·*.]?(mm|cm|m)(?:[-−]2|⁻2)", bare)
@@ -73,7 +77,11 @@ def unit_of(text: str) -> str:
 
 
 def heading_of(cell: str) -> Heading:
-    """Return the name and the unit of a heading: at its end, or in brackets."""
+    """Return what the heading of a column states.
+
+    Its unit stands at its end or in brackets. A heading with several units, or with a power of ten,
+    has no unit, and these are what is ``unknown`` of it.
+    """
     in_brackets = [part.strip() for part in _BRACKETS.findall(cell)]
     parts = [re.sub(r"^in\s+", "", part) for whole in in_brackets for part in whole.split(",")]
     known = [unit for part in parts if (unit := unit_of(part))]
@@ -91,7 +99,11 @@ def heading_of(cell: str) -> Heading:
 
 
 def _name_and_end(text: str) -> tuple[str, str, str]:
-    """Return the name, the unit at its end, and any text there that is no allowed unit."""
+    """Split the text of a heading, without brackets, into its name and what stands at its end.
+
+    Return the name in small letters, the known unit at the end, and the text at the end that is a
+    unit, but none of stress, force or closure. Two of the three may be empty.
+    """
     words = re.findall(r"[^\s_,;:]+", text)
     if len(words) == 1:
         before, slash, behind = words[0].partition("/")

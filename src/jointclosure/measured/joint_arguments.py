@@ -44,8 +44,13 @@ SPACING = 0.25e-3
 """Usual grid spacing of random walls [m]."""
 
 
-class SimulatedWalls(NamedTuple):
-    """Walls of simulated joints: random ones with a JRC from a range, or scans by their digest."""
+class WallRecipe(NamedTuple):
+    """Recipe of the walls of simulated joints: random walls, or scans that are displaced.
+
+    Random walls have a JRC from the range ``jrc`` and (ny, nx) = ``shape`` cells of a ``spacing``
+    [m]; ``hurst`` and ``roll_off`` [m] are as for `jointclosure.wall_pair`. Scans are known by
+    their ``digest``, which is empty for random walls. Everything random follows from ``seed``.
+    """
 
     jrc: tuple[float, float]
     shape: tuple[int, int]
@@ -56,10 +61,11 @@ class SimulatedWalls(NamedTuple):
     digest: str = ""
 
     def pair(self, number: int, wavelength: float, scans: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Return the walls of a joint by its number.
+        """Return the walls (y, x) [m] of the simulated joint with a ``number``.
 
-        They are random, of a mismatch wavelength [m], or the ``scans`` displaced by up to a cell
-        along x and y.
+        Random walls have a mismatch ``wavelength`` [m], and do not use ``scans``. Scanned walls are
+        the ``scans`` (upper, lower), displaced against each other by -1, 0 or 1 cell along x and y,
+        and do not use the wavelength.
         """
         if self.digest:
             cells = generator(seed_of(self.seed, "shift", number)).integers(-1, 2, 2).tolist()
@@ -169,23 +175,29 @@ class JointKeywords(TypedDict, total=False):
 
 
 class AskedJoints(NamedTuple):
-    """A measured curve, and the joints that are simulated for comparison with it.
+    """A measured curve with its readings, and the joints to be simulated for comparison with it.
 
-    ``wavelengths`` (n,) [m] are the mismatch wavelengths of random walls. For scanned walls there
-    is one, that of the ``pair``, whose walls are ``scans``.
+    ``joint`` has the arguments as the caller gave them. ``rock`` is the rock that they name,
+    ``curve`` the checked curve, and ``measured`` are its readings. ``wavelengths`` (n,) [m] are the
+    mismatch wavelengths of random walls; for scanned walls there is one, that of the registered
+    ``pair``, moved into the range for random walls. ``scans`` are the two walls (y, x) [m] of the
+    pair, None for random walls.
     """
 
     joint: MeasuredJoint
     rock: Rock
     curve: MeasuredCurve
     measured: Readings
-    walls: SimulatedWalls
+    walls: WallRecipe
     wavelengths: np.ndarray
     pair: RegisteredPair | None
     scans: tuple[np.ndarray, np.ndarray] | None
 
     def assumed(self, strengths: Sequence[float]) -> str:
-        """Describe the joints, which have one strength [Pa] or those between two."""
+        """Describe the simulated joints: walls, size and rock, with the strength [Pa].
+
+        ``strengths`` is one strength, or the lowest and the highest one.
+        """
         rock = self.rock
         roll_off = self.walls.roll_off
         spacing = self.walls.spacing
@@ -205,9 +217,10 @@ class AskedJoints(NamedTuple):
         )
 
     def conditions(self, numerics: Numerics, usual: Numerics = RESOLVED) -> Conditions:
-        """Return the conditions of the first cycle.
+        """Return the conditions of one cycle to the largest stress at which the curve is read.
 
-        Raise `InputError` for a setting that has no effect, unless it is ``usual``.
+        Raise `InputError` for effects, choices or ``numerics`` that are not allowed, and for a
+        setting without effect, unless its value is a default or one of ``usual``.
         """
         measured = self.measured
         joint = self.joint
@@ -223,13 +236,16 @@ def asked_joints(
     curve: str | Path | MeasuredCurve,
     stated: Mapping[str, Any],
     function: str,
-    wavelengths: int,
+    wavelength_count: int,
     first_loading: bool = False,
 ) -> AskedJoints:
-    """Read a curve, and check the joint that the keywords of a ``function`` state.
+    """Read a measured curve, and check the joint that the keywords of a ``function`` state.
 
-    ``wavelengths`` is the number of mismatch wavelengths of random walls. Raise `InputError` if the
-    curve or a value is not allowed, `TypeError` for an unknown keyword or no rock.
+    Scans are read and registered. ``stated`` are fields of `MeasuredJoint`, ``wavelength_count`` is
+    the number of mismatch wavelengths of random walls: from two spacings to the shorter side, at
+    equal ratios. With ``first_loading`` all later points of the curve are left out. Raise
+    `InputError` if the curve or a value is not allowed, `TypeError` for an unknown keyword or if
+    the rock is missing.
     """
     check_keywords(function, stated, MeasuredJoint._fields, ["rock"])
     given = MeasuredJoint(**stated)
@@ -241,7 +257,7 @@ def asked_joints(
     if spacing is not None:
         check_length("spacing", spacing)
         check_usual((), spacing=spacing)
-    points, measured = _read_curve(curve, given, first_loading)
+    checked_curve, measured = _read_curve(curve, given, first_loading)
     if given.scans is not None:
         for keyword in ("jrc", "size", "shape", "pair"):
             if (value := getattr(given, keyword)) is not None:
@@ -263,18 +279,21 @@ def asked_joints(
         raise InputError(f"{wrong}: must be above 0 and at most 1 (100 %)")
     check_usual((), roll_off=given.roll_off)
     check_roll_off(given.roll_off, max(ny, nx) * spacing)
-    lengths = np.geomspace(2.0 * spacing, min(ny, nx) * spacing, wavelengths)
-    walls = SimulatedWalls(jrcs, (ny, nx), spacing, given.seed, given.hurst, given.roll_off)
+    wavelengths = np.geomspace(2.0 * spacing, min(ny, nx) * spacing, wavelength_count)
+    walls = WallRecipe(jrcs, (ny, nx), spacing, given.seed, given.hurst, given.roll_off)
     if pair is None:
-        return AskedJoints(given, intact, points, measured, walls, lengths, None, None)
-    lengths = np.array([np.clip(pair.mismatch.wavelength, *lengths[[0, -1]])])
+        return AskedJoints(given, intact, checked_curve, measured, walls, wavelengths, None, None)
+    wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
     arrays = np.ascontiguousarray(pair.upper), np.ascontiguousarray(pair.lower)
     walls = walls._replace(digest=hashlib.sha256(b"".join(w.tobytes() for w in arrays)).hexdigest())
-    return AskedJoints(given, intact, points, measured, walls, lengths, pair, arrays)
+    return AskedJoints(given, intact, checked_curve, measured, walls, wavelengths, pair, arrays)
 
 
 def _jrc_range(jrc: Any) -> tuple[float, float]:
-    """Return the ends of the range of the JRC."""
+    """Return the lowest and the highest JRC of random walls, equal for a single number.
+
+    Raise `InputError` unless ``jrc`` is a number or (lowest, highest), each from 0 to 20.
+    """
     ends = tuple(jrc) if isinstance(jrc, tuple | list) else (jrc, jrc)
     lowest, highest = ends if len(ends) == 2 else (None, None)
     if lowest is None or highest is None:
@@ -289,7 +308,11 @@ def _jrc_range(jrc: Any) -> tuple[float, float]:
 def _read_curve(
     curve: str | Path | MeasuredCurve, given: MeasuredJoint, first_loading: bool
 ) -> tuple[MeasuredCurve, Readings]:
-    """Return a curve, read from its file if need be and checked, and its readings."""
+    """Return the checked curve and its readings; ``curve`` is a path or a curve that was read.
+
+    Raise `InputError` if the file is missing, or the curve is not allowed (`check_curve`,
+    `readings_of_curve`).
+    """
     name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
     if not isinstance(curve, MeasuredCurve):
         if not Path(curve).is_file():
@@ -320,7 +343,11 @@ def _read_curve(
 
 
 def _cells_of_joint(given: MeasuredJoint, shape: Any, spacing: float) -> tuple[int, int]:
-    """Return the cells (y, x) of the simulated joints, from the stated side [m] or ``shape``."""
+    """Return the numbers of cells (y, x) of the simulated joints.
+
+    They follow from the stated side [m] and the ``spacing`` [m], or else are ``shape``. Raise
+    `InputError` if neither is given, or a side has fewer than 8 cells.
+    """
     check_positive("spacing", spacing, "m")
     if given.size is not None:
         check_positive("size", given.size, "m")

@@ -1,8 +1,9 @@
 """Readings of a measured curve, and the likelihood of mismatch wavelength and strength.
 
-Joints of a rock and roughness are simulated at mismatch wavelengths from mated to independent
-walls, and at several strengths if these are fitted too. A measured curve is one draw of them: its
-readings are compared with the mean and the scatter of theirs.
+A reading is the closure at a stress, or the closure recovered on unloading. Joints of a rock and
+roughness are simulated at mismatch wavelengths from mated to independent walls, and at several
+strengths if these are fitted too. The measured joint is taken as one more of these joints: the
+readings of the curve are compared with the mean and the scatter of the simulated readings.
 """
 
 import itertools
@@ -31,7 +32,7 @@ CURVE_POINTS = 25
 _STEPS = 161
 """Number of wavelengths, and of strengths, at which the likelihood is computed."""
 _SAME_STRESS = 1e-3
-"""Largest difference of equal stresses, over the largest stress of a curve."""
+"""Difference of two stresses over the largest stress of a curve, up to which they are equal."""
 _SAME_LOAD = 0.02
 """Largest allowed relative difference of the largest stresses of cycles."""
 
@@ -39,8 +40,9 @@ _SAME_LOAD = 0.02
 class Readings(NamedTuple):
     """Readings of a measured curve, with which simulated joints are compared.
 
-    ``values`` are closures since seating on loading, at stresses with enough points, and the
-    closures that were recovered on unloading.
+    ``values`` are, cycle by cycle, the closures on loading since seating, at those ``levels`` at
+    which the loading has enough points, and then the closure that was recovered on unloading to
+    seating, if the cycle is among ``unloaded``.
     """
 
     cycles: int
@@ -52,7 +54,7 @@ class Readings(NamedTuple):
     errors: np.ndarray | None = None  # (n,) [m], standard errors by the scatter of points
 
     def places(self) -> list[tuple[int, float | None]]:
-        """Return the cycle and the stress [Pa] of each value, None for a recovered closure."""
+        """Return the cycle and the stress [Pa] of each reading, with None for a recovered one."""
         places: list[tuple[int, float | None]] = []
         for cycle in range(1, self.cycles + 1):
             numbers = self.read[cycle - 1] if self.read else range(len(self.levels))
@@ -71,34 +73,38 @@ class Readings(NamedTuple):
 
 
 class Simulated(NamedTuple):
-    """Simulated joints (wavelengths, strengths, joints, ...) of a fit."""
+    """Joints that were simulated for a fit; the first axes are (wavelengths, strengths, joints)."""
 
-    logs: np.ndarray  # (..., readings), logarithms; NaN for a joint of which one is missing
+    logs: np.ndarray  # (..., readings), logarithms; all NaN if a reading of the joint is missing
     closures: np.ndarray  # (..., cycles, 2, stresses) [m], net since the seating of each cycle
     stresses: np.ndarray  # [Pa]
 
 
 class Likelihood(NamedTuple):
-    """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa]."""
+    """Likelihood of a measured curve over a fine grid of mismatch wavelengths and strengths.
+
+    The ``wavelengths`` [m] and ``strengths`` [Pa] are those of the grid.
+    """
 
     wavelengths: np.ndarray
     strengths: np.ndarray
     log: np.ndarray  # (wavelengths, strengths)
     means: np.ndarray  # (wavelengths, strengths, readings), of logarithms
     scatter: np.ndarray  # (wavelengths, readings), standard deviations of logarithms
-    p_values: np.ndarray  # (wavelengths, strengths), of as large a distance from the mean
+    p_values: np.ndarray  # (wavelengths, strengths), of a distance from the mean as large as this
 
     @property
     def best(self) -> tuple[int, int]:
-        """Place of the most likely wavelength and strength."""
+        """Indices of the most likely wavelength and strength."""
         i, j = np.unravel_index(int(self.log.argmax()), self.log.shape)
         return int(i), int(j)
 
     def nodes(self, place: Sequence[int], counts: Sequence[int]) -> tuple[int, int]:
-        """Return the simulated node next to a ``place`` on the finer grid of the likelihood.
+        """Return the simulated wavelength and strength nearest to a ``place`` of the likelihood.
 
-        Both are indices of (wavelength, strength). ``counts`` are the numbers of wavelengths and
-        strengths at which joints were simulated.
+        The likelihood has a finer grid than the simulated joints. ``place`` are indices of
+        wavelength and strength on the finer grid, the result are indices among the simulated ones,
+        of which there are ``counts``.
         """
         i, j = (
             round(at / max(fine - 1, 1) * (count - 1))
@@ -112,7 +118,12 @@ class Likelihood(NamedTuple):
         return float(self.p_values.flat[self.log.argmax()])
 
     def interval(self, axis: int) -> Interval:
-        """Compute the interval of the wavelength (axis 0) or strength (1) by profile likelihood."""
+        """Return the 95 % interval of the wavelength [m] (axis 0) or the strength [Pa] (axis 1).
+
+        It is by profile likelihood: the other parameter has its likeliest value everywhere. The
+        smallest of several wavelengths is returned as 0, mated walls, the largest as infinite,
+        independent walls.
+        """
         values = np.array((self.wavelengths, self.strengths)[axis])
         profile = self.log.max(axis=1 - axis)
         threshold = profile.max() - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
@@ -126,8 +137,15 @@ class Likelihood(NamedTuple):
 def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
     """Return the readings of a measured curve, whose closure counts from a seating stress [Pa].
 
-    Raise `InputError` unless its cycles are 1, 2, ... to the same largest stress, and closures
-    increase on loading and decrease on unloading.
+    Each loading is read at the shares `PARTS` of the range from seating to the smallest of the
+    largest stresses of the cycles. A loading with fewer measured points between seating and its
+    largest stress than there are levels is not read at the lowest levels. A cycle that was unloaded
+    to seating or below also has the recovered closure: that at the highest level on loading, less
+    that at seating on unloading.
+
+    Raise `InputError` unless the cycles are 1, 2 and so on, the largest stress of each is within
+    2 % of that of cycle 1, and all readings are above 0. Closures between the levels are not
+    checked; the curve is expected to have passed `check_curve`.
     """
     cycles = curve.cycles
     if cycles != list(range(1, len(cycles) + 1)):
@@ -156,12 +174,16 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
 
 
 def _reading_errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
-    """Compute standard errors (n,) [m] of readings of averaged points; None if none are."""
+    """Compute the standard errors (n,) [m] of the readings of a curve whose points were averaged.
+
+    They follow from the scatter of the points. None if no branch of the curve was averaged.
+    """
     cycles = {cycle: curve.ascending(cycle) for cycle in curve.cycles}
     if not any(branch.errors.any() for both in cycles.values() for branch in both.values()):
         return None
 
     def error(cycle: int, branch: str, stress: float) -> float:
+        """Return the standard error [m] of the closure of a branch at a stress [Pa]."""
         of_branch = cycles[cycle][branch]
         if not of_branch.stress.size:
             return 0.0
@@ -177,7 +199,11 @@ def _reading_errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
 
 
 def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: float) -> list[str]:
-    """Return sentences on how a curve was read, with a caution if it scatters more than stated."""
+    """Return sentences on how a measured curve was read; none if its points were read as they are.
+
+    They are on loadings that were numbered as cycles, points that were not read, and averages. Some
+    are cautions, one of them if a reading is less certain than ``closure_error`` [1].
+    """
     sentences: list[str] = []
     if (starts := np.flatnonzero(curve.line[1:] == curve.line[:-1]) + 1).size:
         lines = ", ".join(str(line) for line in curve.line[starts])
@@ -217,11 +243,12 @@ def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: f
 
 
 def _history_of_curve(curve: MeasuredCurve) -> xr.Dataset:
-    """Convert a measured curve to a history, to be read like that of a simulated joint.
+    """Convert a measured curve to a history, which can be read like that of a simulated joint.
 
-    If a loading starts at the stress at which the cycle before ended, its closures continue from
-    the last one of that cycle. Before a further cycle, a cycle without a measured unloading gets
-    one point of it, the first of the next loading.
+    If a loading starts at the stress at which the cycle before ended, a constant is added to the
+    closures of its cycle, so that they continue from the last closure before. A cycle without a
+    measured unloading, if another one follows, gets an unloading of one point: the first point of
+    the next loading. The bulk indentation is 0, as measured closures are net.
     """
     cycles = [curve.branches(cycle) for cycle in curve.cycles]
     parts = []
@@ -243,13 +270,20 @@ def _history_of_curve(curve: MeasuredCurve) -> xr.Dataset:
 
 
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
-    """Return the readings ``asked`` (n,) [m] of the net closure of a joint, NaN if missing."""
+    """Return the net closures (n,) [m] of a history at the places of the readings ``asked``.
+
+    A reading is NaN if the history does not reach its stress.
+    """
     stresses = np.append(asked.seating, asked.levels)
     return readings_of_closures(history_of(history).net.at(stresses), stresses, asked)
 
 
 def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
-    """Return readings (..., n) of closures (..., cycles, 2, stresses) on loading and unloading."""
+    """Return the readings (..., n) [m] of closures (..., cycles, 2, stresses) [m].
+
+    The last axis but one is loading and unloading. The ``stresses`` [Pa], ascending, must contain
+    the seating stress and the levels of the readings ``asked``.
+    """
     at = stresses.searchsorted(asked.levels)
     seat = int(stresses.searchsorted(asked.seating))
     levels = dict(zip(asked.levels, at, strict=True))
@@ -263,9 +297,9 @@ def readings_of_closures(closures: np.ndarray, stresses: np.ndarray, asked: Read
 
 
 def log_readings(closures: np.ndarray, stresses: np.ndarray, asked: Readings) -> np.ndarray:
-    """Return logarithms of `readings_of_closures` (..., n).
+    """Return the logarithms (..., n) of `readings_of_closures`, with its arguments.
 
-    All readings of a joint are NaN if one of them is not above 0.
+    All readings of a joint are NaN if one of them is missing or not above 0.
     """
     with np.errstate(invalid="ignore"):
         values = readings_of_closures(closures, stresses, asked)
@@ -273,9 +307,10 @@ def log_readings(closures: np.ndarray, stresses: np.ndarray, asked: Readings) ->
 
 
 def joints_needed(nodes: tuple[int, ...], readings: int) -> int:
-    """Return the least number of joints for a fit of some readings.
+    """Return the least number of simulated joints for a likelihood of so many ``readings``.
 
-    ``nodes`` are the numbers of wavelengths and strengths.
+    It is three times the number of coefficients of the mean and of readings. ``nodes`` are the
+    numbers of wavelengths and of strengths at which joints are simulated.
     """
     varied = nodes[0] > 1, nodes[1] > 1
     return 3 * (_polynomial_terms(np.zeros((1, 2)), varied).shape[1] + readings)
@@ -291,14 +326,16 @@ def likelihood_of(
     """Compute the likelihood of a measured curve from readings of simulated joints.
 
     ``simulated`` (wavelengths, strengths, joints, readings) are logarithms of readings, NaN for
-    failed joints. ``error`` is the relative error of the measured ones. The mean of the log
-    readings is a polynomial of the logarithms of wavelength (cubic) and strength (quadratic),
-    fitted to all joints. Surfaces scatter about it with the covariance of the residuals, pooled
-    over neighbouring wavelengths by a Gaussian weight as wide as their distance. The measured curve
-    is one more draw, so that its distance has a multivariate t distribution (synthetic likelihood
-    with an estimated covariance).
+    joints that failed, which are left out. ``wavelengths`` [m] and ``strengths`` [Pa] ascend at
+    equal ratios. ``error`` is the relative error of the measured readings.
 
-    Raise `InputError` if there are too few joints.
+    The mean of the logarithms is a polynomial of the logarithms of wavelength (cubic) and strength
+    (quadratic), fitted to all joints. Joints scatter about it with the covariance of the residuals,
+    pooled over neighbouring wavelengths by a Gaussian weight as wide as their distance. The
+    measured joint is one more draw, so that its distance from the mean has a multivariate t
+    distribution (synthetic likelihood with an estimated covariance).
+
+    Raise `InputError` if there are fewer joints than `joints_needed`.
     """
     x = _scaled_logarithms(wavelengths)
     y = _scaled_logarithms(strengths)
@@ -349,15 +386,15 @@ def likelihood_of(
 
 
 def _scaled_logarithms(values: np.ndarray) -> np.ndarray:
-    """Return logarithms of ascending values, scaled from 0 to 1."""
+    """Return the logarithms of ascending values (n,), scaled from 0 to 1; 0 for a single value."""
     logs = np.log(np.asarray(values, dtype=float))
     return (logs - logs[0]) / max(logs[-1] - logs[0], np.finfo(float).tiny)
 
 
 def _values_of_scaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return the values whose logarithms, scaled as `_scaled_logarithms` does, are ``part``.
+    """Return the values that belong to scaled logarithms ``part`` (m,).
 
-    These are 0 for the first of ``values`` and 1 for the last.
+    The scale is that of `_scaled_logarithms`: 0 is the first of ``values`` and 1 the last.
     """
     first = np.log(values[0])
     last = np.log(values[-1])
@@ -365,7 +402,11 @@ def _values_of_scaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _polynomial_terms(rows: np.ndarray, varied: tuple[bool, bool]) -> np.ndarray:
-    """Return terms of the mean: cubic in the first column, quadratic in the second, if varied."""
+    """Return the terms (n, terms) of the polynomial of the mean at ``rows`` (n, 2) of x and y.
+
+    They are 1; x, x^2 and x^3 if x, of the wavelength, is ``varied``; y and y^2 if y, of the
+    strength, is varied; and xy and x^2 y if both are.
+    """
     x, y = rows.T
     terms = [np.ones_like(x)]
     terms += [x, x**2, x**3] if varied[0] else []

@@ -21,7 +21,7 @@ from jointclosure.joint.stated_conditions import check_carried
 from jointclosure.joint.status import failed
 from jointclosure.joint.warmup import prepare_kernels
 from jointclosure.measured.compared_quantities import compared_quantities
-from jointclosure.measured.joint_arguments import AskedJoints, SimulatedWalls
+from jointclosure.measured.joint_arguments import AskedJoints, WallRecipe
 from jointclosure.measured.likelihood import (
     CURVE_POINTS,
     joints_needed,
@@ -48,7 +48,7 @@ ABOUT_RANGES = (
     "ranges of readings of joints are 95 % intervals of a single joint, with the error of the "
     "measured closures"
 )
-"""What the ranges are that `fit` and `validate` print beside measured readings."""
+"""Explanation of the ranges that `fit` and `validate` print beside measured readings."""
 ADVICE = "check rock, roughness, roll-off, size and units"
 """Advice where no joint is like the measured one."""
 
@@ -61,12 +61,13 @@ class LaterLoading(NamedTuple):
 
 
 class ComparisonJoints(NamedTuple):
-    """Joints simulated for comparison with a curve, for all values of the fitted constants.
+    """Joints to be simulated for comparison with a measured curve, at all values of constants.
 
-    The constants are mismatch wavelengths [m], compressive ``strengths`` [Pa], and the changes
-    ``laters`` after the first loading. ``conditions`` are those of the first cycle. The walls of a
-    joint depend on its number; the numbers of neighbouring wavelengths, strengths and surfaces are
-    ``strides`` apart. ``cache`` is the folder in which joints are kept, None if they are not.
+    The constants are the mismatch wavelengths [m] that were ``asked``, the compressive
+    ``strengths`` [Pa], and the changes ``laters`` after the first loading. ``conditions`` are those
+    of the first cycle. The walls of a joint follow from its number: 1 plus the sum of the indices
+    of its wavelength, strength and surface, each times one of the ``strides``. ``cache`` is the
+    folder in which joints are kept, None if they are not. ``report`` receives lines on progress.
     """
 
     asked: AskedJoints
@@ -80,16 +81,19 @@ class ComparisonJoints(NamedTuple):
 
     @property
     def stresses(self) -> np.ndarray:
-        """Stresses [Pa] at which joints are read: evenly spaced ones, and those of the readings."""
+        """Stresses (n,) [Pa] at which closures of joints are kept, ascending.
+
+        They are evenly spaced from seating to the maximum, and those of the readings.
+        """
         measured = self.asked.measured
         even = np.linspace(measured.seating, measured.levels[-1], CURVE_POINTS)
         return np.unique(np.concatenate([even, measured.levels]))
 
     def check(self, strengths: Sequence[float]) -> None:
-        """Raise `InputError` if the joints cannot be simulated or fitted.
+        """Raise `InputError` if the joints cannot be simulated, or are too few for a fit.
 
-        This is so if the conditions with one of the strengths [Pa] or the walls are not allowed, or
-        if there are fewer surfaces than the curve needs.
+        Conditions with each of the ``strengths`` [Pa] are checked, and the walls of one joint are
+        made. There must be as many surfaces as the number of readings needs (`joints_needed`).
         """
         asked = self.asked
         for strength in strengths:
@@ -106,10 +110,12 @@ class ComparisonJoints(NamedTuple):
             raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
 
     def closures(self) -> np.ndarray:
-        """Simulate all joints; return closures [m] at `stresses`, NaN for joints that failed.
+        """Return the net closures [m] of all joints for comparison, read at `stresses`.
 
-        They are (laters, wavelengths, strengths, surfaces, cycles, 2, stresses), with loading and
-        unloading along the last axis but one.
+        Joints that are not kept in the folder are simulated and kept there, after a report of the
+        expected time. The closures are (laters, wavelengths, strengths, surfaces, cycles, 2,
+        stresses), with loading and unloading along the last axis but one, and count from first
+        touch. They are NaN for joints that failed, and for stresses that were not reached.
         """
         surfaces = self.asked.joint.surfaces
         wavelengths = self.asked.wavelengths.size
@@ -122,11 +128,12 @@ class ComparisonJoints(NamedTuple):
     def _simulate_missing(
         self, places: Sequence[tuple[int, int]], strength: int = 0, foresee: bool = False
     ) -> np.ndarray:
-        """Simulate joints that are not kept yet, and return the closures [m] of all.
+        """Simulate those joints at ``places`` that are not kept yet, and return closures of all.
 
-        They are (places, laters, strengths, cycles, 2, stresses), NaN for a joint that failed.
-        ``places`` are indices of wavelength and surface, ``strength`` is that of the first
-        strength. ``foresee`` is whether the time is estimated and reported first.
+        ``places`` are indices (wavelength, surface). The closures [m] are (places, laters,
+        strengths, cycles, 2, stresses), NaN for a joint that failed. ``strength`` is the index of
+        the first strength among those of the whole comparison, from which the number of a joint and
+        its file follow. ``foresee`` is whether the time is estimated and reported first.
         """
         asked = self.asked
         conditions = self.conditions
@@ -147,6 +154,7 @@ class ComparisonJoints(NamedTuple):
         workers = number_of_workers(self.workers)
 
         def prepare() -> None:
+            """Compile the kernels, and report the expected time if that is asked for."""
             prepare_kernels([conditions.model], 1 if foresee else workers)
             if foresee:
                 self.report(self._forecast(len(places) * len(self.strengths), workers))
@@ -163,10 +171,11 @@ class ComparisonJoints(NamedTuple):
         return np.stack(by_place)
 
     def _forecast(self, count: int, workers: int) -> str:
-        """Estimate the time of all ``count`` joints from one of them, and say what is kept.
+        """Return a sentence on the time of all ``count`` joints, and on what is kept.
 
-        Joints of weak rock take many times as long as others, and so do later loadings of weaker
-        crushed rock. The times of all loadings are compared in small windows.
+        Windows of one joint are simulated for it. Joints of weak rock take many times as long as
+        others, and so do later loadings of weaker crushed rock: their times relative to the first
+        loading are measured in smaller windows.
         """
         asked = self.asked
         walls = asked.walls.pair(1, float(asked.wavelengths[0]), asked.scans)
@@ -198,10 +207,14 @@ class ComparisonJoints(NamedTuple):
     def numerical_changes(
         self, place: tuple[int, int, int], closures: np.ndarray
     ) -> dict[str, tuple[float, float]]:
-        """Return relative changes of quantities from a finer tolerance, with standard errors.
+        """Return the relative numerical errors of compared quantities, with standard errors [1].
 
-        They are of `CHECKED` joints at a place (later, wavelength, strength) of ``closures``.
-        Without breakage there is no tolerance, and none are returned.
+        `CHECKED` joints at a ``place`` (later, wavelength, strength) of ``closures``, as from
+        `closures`, are simulated again with a tolerance and steps that are `FINER` times smaller,
+        or with resolved breakage if theirs is by fixed steps. An error is the mean of the ratios of
+        the quantity to that of the finer simulation, less 1. Shares in percent are left out, and
+        quantities that are not known of all these joints. Without breakage there is no tolerance,
+        and the result is empty.
         """
         conditions = self.conditions
         measured = self.asked.measured
@@ -229,7 +242,7 @@ class ComparisonJoints(NamedTuple):
 
 
 def numerical_sentence(changes: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Return a sentence on `numerical_changes`, if there are any."""
+    """Return a sentence on the changes from `ComparisonJoints.numerical_changes`; none without."""
     if not changes:
         return []
     texts = (
@@ -254,10 +267,12 @@ def with_strength(conditions: Conditions, strength: float, later: LaterLoading) 
 def loadings_of(
     pair: Walls, first: Conditions, cycles: int, strength: float, laters: Sequence[LaterLoading]
 ) -> Iterator[xr.Dataset]:
-    """Generate the history of a joint, and of its later loadings after each of ``laters``.
+    """Simulate a joint, and its later loadings after each of the changes ``laters``.
 
-    The first history has all cycles if nothing is changed after the first. It is the only one if
-    this is so, or if it failed.
+    Generate the history of the joint with walls ``pair`` (y, x) [m], then one history of later
+    loadings for each change. The first history has one cycle, and the others have the rest of the
+    ``cycles``. If ``laters`` is no change alone, there is one history with all cycles. There is
+    also only one if the joint failed in it, or if ``cycles`` is 1.
     """
     unchanged = tuple(laters) == (LaterLoading(),)
     conditions = with_strength(first, strength, LaterLoading())
@@ -281,7 +296,10 @@ def time_of_loadings(
     strength: float,
     laters: Sequence[LaterLoading],
 ) -> float:
-    """Return the processor time [s] of `loadings_of` in the middle of two walls (y, x) [m]."""
+    """Simulate `loadings_of` in the middle of two walls (y, x) [m]; return the processor time [s].
+
+    The window has up to ``size`` cells along a side.
+    """
     window = window_of(pair, size)
     start = time.process_time()
     for _ in loadings_of(window, first, cycles, strength, laters):
@@ -293,7 +311,7 @@ def simulate_surface(
     first: Conditions,
     cycles: int,
     stresses: Sequence[float],
-    walls: SimulatedWalls,
+    walls: WallRecipe,
     wavelength: float,
     numbered: Mapping[int, float],
     laters: Sequence[LaterLoading],
@@ -301,10 +319,12 @@ def simulate_surface(
     scans: Any,
     report: Any,
 ) -> xr.Dataset:
-    """Simulate one surface at each strength, and each of ``laters`` after its first loading.
+    """Simulate one surface at each strength, with each of ``laters`` after its first loading.
 
-    ``numbered`` are the strengths [Pa] by the numbers of the joints. Return net closures [m] at the
-    stresses [Pa], (later, strength, cycle, branch, stress), NaN for loadings that failed.
+    ``numbered`` are the strengths [Pa] by the numbers of the joints, from which the walls follow
+    (`WallRecipe.pair`). Return the variable ``closure`` (later, strength, cycle, branch, stress):
+    net closures [m] from first touch at the ``stresses`` [Pa]. They are NaN for loadings that
+    failed, and all loadings of a joint are NaN if its first one failed.
     """
     levels = np.array(stresses)
     closures = np.full((len(laters), len(numbered), cycles, 2, levels.size), np.nan)

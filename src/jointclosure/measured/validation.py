@@ -1,10 +1,11 @@
 """Validation: mechanisms and constants that are compatible with all measured loadings.
 
 A mechanism acts between the first loading and the later ones. Joints are simulated for each of its
-constants, each strength, and each mismatch wavelength of random walls. Such a point is compatible
-if the probability is at least 5 % that one of its joints is as far from their mean as the measured
-joint, or farther. The distance is Hotelling's over all readings, with the covariance of surfaces,
-measurement and numerical error (`jointclosure.measured.likelihood.likelihood_of`).
+constants, each strength, and each mismatch wavelength of random walls. Such a combination is
+compatible if the probability is at least 5 % that one of its joints is as far from the mean of its
+joints as the measured joint is, or farther. The distance is Hotelling's over all readings, with the
+covariance of surfaces, measurement and numerical error
+(`jointclosure.measured.likelihood.likelihood_of`).
 """
 
 import math
@@ -44,7 +45,7 @@ NUMERICS = RESOLVED._replace(tolerance=0.05)
 WAVELENGTHS = 6  # mismatch wavelengths at which joints are simulated
 STRENGTHS = 4  # strengths at which joints are simulated
 RANGE = (1.0 / 3.0, 2.0)
-"""Usual range of strengths, over that of the rock."""
+"""Usual range of tried strengths, over the strength of the rock."""
 _ABOUT_CONSTANTS = (
     "a constant is compatible from low to high, among those tried, if the probability is at least "
     f"{100.0 * (1.0 - CONFIDENCE):.0f} % that a joint lies as far from the mean as the curve"
@@ -77,7 +78,11 @@ def mechanism_of(later: LaterLoading) -> str:
 
 
 class Region(NamedTuple):
-    """Comparison of a curve with joints of all tried constants, valid for the joint ``assumed``."""
+    """Comparison of a measured curve with joints of all tried constants.
+
+    It has the region of constants that are compatible with the curve, and is valid only for the
+    joint that is described by ``assumed``.
+    """
 
     measured: Readings
     curve: MeasuredCurve
@@ -94,7 +99,10 @@ class Region(NamedTuple):
     reading: Sequence[str] = ()  # sentences on how the curve was read
 
     def joints_of(self, mechanism: str) -> dict[LaterLoading, Likelihood]:
-        """Return the likelihoods without a mechanism (first), and of each constant of one."""
+        """Return the likelihoods of joints with a mechanism, by each of its constants.
+
+        The first one is of joints without any mechanism.
+        """
         wanted = NEITHER, mechanism
         return {
             later: self.compared[later] for later in self.compared if mechanism_of(later) in wanted
@@ -102,11 +110,15 @@ class Region(NamedTuple):
 
     @property
     def mechanisms(self) -> list[str]:
-        """Names of what was compared, first that without a mechanism."""
+        """Names of the mechanisms that were compared; the first is `NEITHER`, for none."""
         return list(dict.fromkeys(map(mechanism_of, self.compared)))
 
     def nearest(self, mechanism: str) -> tuple[int, int, int]:
-        """Return the indices of the largest p-value: in `joints_of`, of wavelength and strength."""
+        """Return the indices of the largest p-value of a mechanism.
+
+        They are indices of its constant, in the order of `joints_of`, of the wavelength, and of the
+        strength, both on the fine grid of the likelihood.
+        """
         p_values = self.p_values(mechanism)
         number, i, j = np.unravel_index(int(p_values.argmax()), p_values.shape)
         return int(number), int(i), int(j)
@@ -116,7 +128,12 @@ class Region(NamedTuple):
         return np.stack([joints.p_values for joints in self.joints_of(mechanism).values()])
 
     def table(self) -> pd.DataFrame:
-        """Return the compatible range of each constant by mechanism, NaN if there is none."""
+        """Return the compatible range of each constant, in rows by mechanism.
+
+        A constant is compatible if the p-value is at least 5 % with some values of the others.
+        ``low`` and ``high`` are NaN if no value is compatible. ``nearest`` is the value at the
+        largest ``p_value`` of the mechanism.
+        """
         rows: list[dict[str, Any]] = []
         for mechanism in self.mechanisms:
             kinds = self.joints_of(mechanism)
@@ -142,7 +159,10 @@ class Region(NamedTuple):
         return pd.DataFrame(rows)
 
     def quantities(self) -> pd.DataFrame:
-        """Return measured quantities beside the 95 % interval of a joint nearest to the curve."""
+        """Return measured quantities beside 95 % intervals of a joint, in rows by mechanism.
+
+        The joint is one of those nearest to the curve (`place`).
+        """
         rows = []
         axis = int(self.scanned)
         for mechanism in self.mechanisms:
@@ -156,7 +176,11 @@ class Region(NamedTuple):
         return pd.DataFrame(rows)
 
     def p_value(self, mechanism: str) -> float:
-        """Return the probability that a nearest joint is as far from their mean as the curve is."""
+        """Return the largest p-value of the curve among all tried constants of a mechanism.
+
+        It is the probability that a joint with these constants is as far from the mean of such
+        joints as the curve, or farther.
+        """
         return float(self.p_values(mechanism).max())
 
     def compatible(self, mechanism: str) -> bool:
@@ -164,14 +188,20 @@ class Region(NamedTuple):
         return self.p_value(mechanism) >= 1.0 - CONFIDENCE
 
     def place(self, mechanism: str) -> tuple[int, int, int]:
-        """Return the tried constants next to `nearest`: indices of the first axes of `closures`."""
+        """Return the simulated constants next to `nearest`, as indices into `closures`.
+
+        They are indices of the changes of later loadings, the wavelength, and the strength.
+        """
         number, *places = self.nearest(mechanism)
         later, joints = list(self.joints_of(mechanism).items())[number]
         kind = list(self.compared).index(later)
         return kind, *joints.nodes(places, self.closures.shape[1:3])
 
     def sentences(self) -> list[str]:
-        """Describe what is compatible, by mechanism, what is not, and what was assumed."""
+        """Return sentences on what is compatible with the curve, by mechanism, and on assumptions.
+
+        For a mechanism that is not compatible they name the quantities that its joints miss.
+        """
         lines: list[str] = []
         if not any(map(self.compatible, self.mechanisms)):
             lines.append(caution(f"none is compatible with all loadings of this curve; {ADVICE}"))
@@ -206,7 +236,11 @@ class Region(NamedTuple):
 
 
 def _formatted_range(row: Any) -> str:
-    """Format the compatible range of a constant, and whether it ends at the tried range."""
+    """Format the compatible range in a row of `Region.table`, such as "strength 80 to 120 MPa".
+
+    An end at the limit of what was tried is followed by "or less" or "or more", unless nothing
+    beyond it is possible.
+    """
     low, high = (f"{end:.3g}" for end in (row.low, row.high))
     unit = "" if row.unit == "1" else f" {row.unit}"
     if row.low == row.tried_low and row.high == row.tried_high:
@@ -254,11 +288,15 @@ def validate(
     Returns
     -------
     Region
+        Comparison with the curve, whose ``table`` has the compatible range of each constant and
+        whose ``sentences`` describe the result.
 
     Raises
     ------
     InputError
         As `jointclosure.fit`, or if a strength, a shift or a ratio is out of its range.
+    TypeError
+        If a keyword is unknown, or the rock is missing.
     """
     given = asked_joints(curve, joint, "validate", WAVELENGTHS)
     measured = given.measured
@@ -308,9 +346,10 @@ def validate(
 def _tried_laters(
     shifts: Sequence[float], ratios: Sequence[float], columns: int, cycles: int
 ) -> tuple[LaterLoading, ...]:
-    """Return the changes that are tried after the first loading, first no change.
+    """Return the changes that are tried after the first loading: first none, then shifts, ratios.
 
-    Raise `InputError` if a shift or a ratio is not allowed.
+    ``columns`` is the number of cells along x, of which 8 must stay after a shift. A curve of one
+    cycle has no change. Raise `InputError` if a shift or a ratio is not allowed.
     """
     for shift in shifts:
         check_number("shifts", shift)
@@ -330,7 +369,10 @@ def _tried_laters(
 
 
 def _strength_range(strengths: Sequence[float] | None, rock: Rock) -> tuple[float, float]:
-    """Return the ends of the range of strengths [Pa]; raise `InputError` for an invalid range."""
+    """Return the lowest and the highest tried strength [Pa], by default `RANGE` times the rock's.
+
+    Raise `InputError` unless ``strengths`` are two positive numbers in ascending order.
+    """
     if strengths is None:
         low, high = (factor * rock.compressive_strength for factor in RANGE)
         return low, high

@@ -19,8 +19,9 @@ from jointclosure.parameters.units import (
 class Rock(NamedTuple):
     """Properties of the intact rock of a wall [SI].
 
-    The annotation of each field states its unit, range, symbol and title. A property with a default
-    may be left out of a configuration, and of ``Rock(...)``.
+    ``Rock(...)`` raises `InputError` for a property that is out of its range; ``_replace`` does not
+    check. The annotation of each field states its unit, range, symbol and title. A property with a
+    default may be left out of a configuration, and of ``Rock(...)``.
 
     Attributes
     ----------
@@ -65,7 +66,8 @@ USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() 
     "largest_radius": (1e-6, 1.0, "m"),
     **dict.fromkeys(("roll_off", "mismatch_wavelength"), (1e-5, 0.5, "m")),
 }
-"""Smallest and largest usual values and their unit; others, but 0, are probably in a wrong unit."""
+"""Smallest and largest usual value, and their unit, of inputs by name. Another value, unless it is
+0 or infinite, is probably in a wrong unit."""
 AS_IT_IS = (
     "unusual_values=True (on the command line --unusual-values, in a configuration "
     "study.unusual_values: allow) takes it as it is"
@@ -74,10 +76,10 @@ AS_IT_IS = (
 
 
 class Effects(NamedTuple):
-    """Effects that a simulation includes.
+    """Physical effects that a simulation includes.
 
-    `check_scene` refuses ill-posed combinations: interaction needs the substrate, and gouge needs
-    breakage.
+    Interaction needs the substrate, and gouge needs breakage: simulations raise `InputError` for
+    other combinations, but ``Effects(...)`` does not check them.
 
     Attributes
     ----------
@@ -100,20 +102,23 @@ class Effects(NamedTuple):
     soft_peaks: bool = True
 
 
-AUTO_TOLERANCE = 0.02  # change of mean closure below which `effects: auto` leaves out an effect
+AUTO_TOLERANCE = 0.02  # relative change of mean closure below which `effects: auto` leaves one out
 
 
 def scene_name(effects: Effects) -> str:
-    """Return the name of a scene: its effects joined by hyphens, or "hertz_only" if it has none."""
+    """Return the name of a scene, which is a set of effects: their names joined by hyphens.
+
+    Without any effect it is "hertz_only".
+    """
     return "-".join(name for name, on in effects._asdict().items() if on) or "hertz_only"
 
 
 def scene_of(name: str) -> Effects:
-    """Return the scene that has a name made by `scene_name`."""
+    """Return the effects of the scene of a name, as made by `scene_name`."""
     return Effects(*(effect in name.split("-") for effect in Effects._fields))
 
 
-# Numbers of an interval, and its reason if that is not plain.
+# Annotations of numbers in an interval, some with the reason, which messages append.
 _Part = Annotated[float, "(0, 1]"]
 _OfBase = Annotated[
     float,
@@ -125,7 +130,10 @@ _Most = Annotated[float, "[1, inf]"]
 
 
 class Choices(NamedTuple):
-    """Decisions that the paper leaves open.
+    """Decisions on the model that the paper leaves open.
+
+    ``Choices(...)`` raises `InputError` for a value that is not allowed; ``_replace`` does not
+    check.
 
     Attributes
     ----------
@@ -167,14 +175,17 @@ PLAUSIBLE: dict[str, tuple[Any, Any]] = {
     "base_radius_in_cells": (0.35, 0.71),
     "peaks": ("pristine", "current"),
 }
-"""Plausible values of what the paper leaves open, by field of `Choices`: the ends of a range about
-the usual value, which is the middle of their logarithms, or the alternatives. ASSUMPTION: the ends;
-the paper cites two sources for a ratio of 0.05. A circle around a cell has a radius of 0.71, one in
-it 0.5."""
+"""Plausible values of what the paper leaves open, by field of `Choices`: the ends of a range, or
+the alternatives. The usual value is the middle of a range by logarithms. ASSUMPTION: the ends; the
+paper cites two sources for a ratio of 0.05. The circle around a cell has a radius of 0.71 spacings,
+the circle inside it 0.5."""
 
 
 class Numerics(NamedTuple):
-    """Steps [m] and tolerances of a simulation.
+    """Steps [m], tolerances and solver of a simulation.
+
+    ``Numerics(...)`` raises `InputError` for a value that is not allowed; ``_replace`` does not
+    check.
 
     Attributes
     ----------
@@ -249,17 +260,18 @@ RESOLVED = Numerics(
     breakage_step=1e-6,
     later_breakage_step=1e-6,
 )
-"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
-steps, from which resolved breakage starts, are short enough for smooth curves."""
+"""Default numerics of a scanned joint: breakage is resolved. The steps, from which resolved
+breakage starts, are short enough for smooth curves and for a loading without a kink where it lands
+on its maximum."""
 SOLVER_NAMES: tuple[str, ...] = get_args(Numerics.__annotations__["solver"])
-"""Names of the solvers, which `solvers.registry.solver_named` finds."""
+"""Names of the solvers of equilibrium (`solvers.registry.solver_named`)."""
 
 
 _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
 
 
 def in_double(settings: _Settings) -> _Settings:
-    """Convert the numbers of a `Rock`, `Choices` or `Numerics` to Python's float and int."""
+    """Return a `Rock`, `Choices` or `Numerics` with Python's float and int for NumPy's numbers."""
     numbers: dict[str, Any] = {
         name: float(value) if isinstance(value, np.floating) else int(value)
         for name, value in settings._asdict().items()
@@ -269,7 +281,10 @@ def in_double(settings: _Settings) -> _Settings:
 
 
 def acting(rock: Rock) -> list[str]:
-    """Return the names of the properties of a rock that are not neutral, as defaults are."""
+    """Return the names of the properties of a rock that differ from their defaults.
+
+    A default is neutral: the property has no effect then. Properties without one are all returned.
+    """
     neutral = Rock._field_defaults
     return [name for name, value in rock._asdict().items() if value != neutral.get(name)]
 
@@ -281,10 +296,10 @@ def check_rock(rock: Rock) -> None:
 
 
 def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
-    """Raise `InputError` if a value named in `USUAL` is no number, or outside its usual range.
+    """Raise `InputError` if an input is no number or outside of its usual range (`USUAL`).
 
-    Checked are the properties of ``rocks`` and ``values`` by their names [SI]. None, 0 and infinity
-    pass. Names that are not in `USUAL` are not checked.
+    The inputs are the properties of ``rocks``, and ``values`` [SI] by name. None, 0 and infinity
+    are accepted. Names that are not in `USUAL` are not checked.
     """
     for values_by_name in (*(rock._asdict() for rock in rocks), values):
         for name, value in values_by_name.items():
@@ -303,7 +318,10 @@ def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
 
 
 def check_scene(effects: Effects) -> None:
-    """Raise `InputError` if effects are ill-posed."""
+    """Raise `InputError` unless effects are an `Effects` of booleans in a well-posed combination.
+
+    Interaction needs the substrate, and gouge needs breakage.
+    """
     if not isinstance(effects, Effects):
         raise InputError(f"effects = {effects!r}: must be an Effects")
     for name, value in effects._asdict().items():
@@ -319,7 +337,7 @@ def check_scene(effects: Effects) -> None:
 
 
 def well_posed_scenes() -> Iterator[Effects]:
-    """Generate all well-posed combinations of effects."""
+    """Generate all combinations of effects that `check_scene` accepts."""
     for substrate, interaction in ((False, False), (True, False), (True, True)):
         for breakage, gouge in ((False, False), (True, False), (True, True)):
             for soft_peaks in (False, True):
@@ -327,10 +345,10 @@ def well_posed_scenes() -> Iterator[Effects]:
 
 
 def _check_fields(settings: Any, kind: type[NamedTuple]) -> None:
-    """Raise `InputError` unless settings are of a kind, and its fields have allowed values.
+    """Raise `InputError` unless settings are of a ``kind``, and their fields have allowed values.
 
-    Checked are fields whose annotation has their words (`Literal`), their interval (`Annotated`)
-    or is bool. Other fields are checked where they are used.
+    Only fields are checked whose annotation states the allowed words (`Literal`) or the interval
+    (`Annotated`), or is bool. Callers check the others.
     """
     if not isinstance(settings, kind):
         raise InputError(f"{kind.__name__.lower()} = {settings!r}: must be a {kind.__name__}")
@@ -346,7 +364,7 @@ def _check_fields(settings: Any, kind: type[NamedTuple]) -> None:
 
 
 def check_choices(choices: Choices) -> None:
-    """Raise `InputError` if a choice is out of its range."""
+    """Raise `InputError` unless choices are a `Choices` of allowed values."""
     _check_fields(choices, Choices)
     check_crushed_strength(choices)
     if choices.largest_radius is not None:
@@ -354,7 +372,10 @@ def check_choices(choices: Choices) -> None:
 
 
 def check_crushed_strength(choices: Choices) -> None:
-    """Raise `InputError` for a strength of crushed rock, if pristine peaks are not kept."""
+    """Raise `InputError` for weaker crushed rock together with ``peaks`` = "current".
+
+    The strength of crushed rock needs the pristine state of the walls, which is then not kept.
+    """
     if choices.crushed_strength_ratio < 1.0 and choices.peaks == "current":
         raise InputError(
             f"crushed_strength_ratio = {choices.crushed_strength_ratio!r}: must be 1 with peaks = "
@@ -363,7 +384,7 @@ def check_crushed_strength(choices: Choices) -> None:
 
 
 def check_radius(choices: Choices, spacing: float) -> None:
-    """Raise `InputError` if the largest radius of checked choices is below the spacing [m]."""
+    """Raise `InputError` if the ``largest_radius`` of choices is below the grid spacing [m]."""
     if choices.largest_radius is not None and choices.largest_radius < spacing:
         raise InputError(
             f"largest_radius = {choices.largest_radius!r} m: must be at least the grid "
@@ -372,7 +393,11 @@ def check_radius(choices: Choices, spacing: float) -> None:
 
 
 def check_numerics(numerics: Numerics) -> None:
-    """Raise `InputError` if a step, a tolerance or the solver is out of its range."""
+    """Raise `InputError` unless numerics are a `Numerics` of allowed values that fit each other.
+
+    A fixed breakage step must be smaller than the displacement step, and resolved breakage needs
+    the fast solver and ``target`` = "equilibrate".
+    """
     _check_fields(numerics, Numerics)
     for prefix in ("", "later_"):
         step = getattr(numerics, f"{prefix}displacement_step")
@@ -400,19 +425,25 @@ def check_model(effects: Effects, choices: Choices, numerics: Numerics) -> None:
 
 
 class _Need(NamedTuple):
-    """Condition on effects, choices and numerics, and where a setting has no effect without it."""
+    """Condition on effects, choices and numerics that a setting needs to have an effect.
+
+    ``where`` completes the message "has no effect ..." if the condition does not hold.
+    """
 
     holds: Callable[[Effects, Choices, Numerics], bool]
     where: str
 
 
 def _takes_steps(effects: Effects, choices: Choices, numerics: Numerics) -> bool:
-    """Return whether a history takes displacement steps, and is not one elastic curve."""
+    """Return whether a simulation takes displacement steps, and is not one elastic curve."""
     return effects.breakage or numerics.solver == "reference"
 
 
 def _base_acts(effects: Effects, choices: Choices, numerics: Numerics) -> bool:
-    """Return whether the base of an asperity acts, as an elastic or a limiting one."""
+    """Return whether the radius of the base of asperities has an effect.
+
+    It has one on the compliance of the substrate, and on the bound of the strength.
+    """
     return effects.substrate or (effects.breakage and choices.strength_bound == "base")
 
 
@@ -451,11 +482,11 @@ _NEEDS: dict[str, tuple[_Need, ...]] = {
     "crushed_strength_ratio": (_BREAKAGE,),
     "tie_tolerance": (_BREAKAGE,),
 }
-"""What fields of `Choices` and `Numerics` need to have an effect.
+"""Conditions that a field of `Choices` or `Numerics` needs to have an effect, by name.
 
-Fields that are left out always have one, or all their values are usual: a strength is bounded in
-the library and unbounded in the paper, and breakage is resolved by `jointclosure.close` and not by
-`jointclosure.simulate`, whatever the effects are.
+A field that is not among them always has an effect, or all its values are usual ones, which are
+accepted whatever the effects are: ``strength_bound`` is "base" in the library and "none" in the
+paper, and ``breakage`` is resolved by `jointclosure.close` and not by `jointclosure.simulate`.
 """
 
 
@@ -463,7 +494,10 @@ _USUAL_SETTINGS = Choices(), Numerics(), RESOLVED
 
 
 def without_effect(name: str, effects: Effects, choices: Choices, numerics: Numerics) -> str:
-    """Return where a field of `Choices` or `Numerics` has no effect; "" if it acts."""
+    """Return why a field of `Choices` or `Numerics` has no effect in a model; "" if it has one.
+
+    The text is such as "without breakage". ``name`` is that of the field.
+    """
     model = effects, choices, numerics
     return next((need.where for need in _NEEDS.get(name, ()) if not need.holds(*model)), "")
 
@@ -475,11 +509,12 @@ def check_effective(
     usual: Numerics = Numerics(),
     varied: bool = False,
 ) -> None:
-    """Raise `InputError` for settings, checked by `check_model`, that were changed without effect.
+    """Raise `InputError` for a setting that was changed from a usual value, but has no effect.
 
-    Usual values are accepted everywhere, so that effects can be left out without other changes:
-    those of `Choices`, `Numerics` and `RESOLVED`, and those that are ``usual`` of a function.
-    ``varied`` is whether effects are left out besides, in simulations that are compared.
+    Usual values are accepted everywhere, so that effects can be left out without other changes.
+    They are those of ``Choices()``, ``Numerics()`` and `RESOLVED`, and the ``usual`` ones of a
+    function. ``varied`` is whether simulations with fewer effects are compared too: a setting may
+    then have its effect in any of them. The settings must have passed `check_model`.
     """
     scenes = [effects]
     if varied:
@@ -494,16 +529,20 @@ def check_effective(
 
 
 def _is_part(fewer: Effects, effects: Effects) -> bool:
-    """Return whether all effects of a scene are among those of another one."""
+    """Return whether all effects in ``fewer`` are among the ``effects``."""
     return all(not one or other for one, other in zip(fewer, effects, strict=True))
 
 
 def _check_when_made(settings: type[NamedTuple], check: Callable[[Any], None]) -> None:
-    """Make the constructor of a named tuple check each instance."""
+    """Make the constructor of a named tuple check each instance, by replacing its ``__new__``.
+
+    ``_replace`` and ``_make`` do not use the constructor, and so do not check.
+    """
     make = settings.__new__
 
     @wraps(make)
     def made_and_checked(*arguments: Any, **fields: Any) -> Any:
+        """Make an instance and check it."""
         instance = make(*arguments, **fields)
         check(instance)
         return instance

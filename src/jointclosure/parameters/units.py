@@ -9,16 +9,17 @@ from typing import Any, NamedTuple, get_type_hints
 from jointclosure.inputs import InputError, check_number, check_positive
 
 SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
-"""Units that a configuration may use, in SI."""
+"""Units that a configuration may use, each in SI."""
 _LIKELY = ("MPa", "GPa", "mm", "um", "Pa", "m")
 """Units in which values outside their usual range were probably given, the likeliest first."""
 
 
 def unit_meant(value: float, low: float, high: float, unit: str) -> str:
-    """Return the question whether a value outside the usual range was given in another unit.
+    """Return the question which unit was meant by a value outside of its usual range.
 
-    The value and the range, from ``low`` to ``high``, are in a ``unit`` of `SI_FACTORS`, or have
-    none.
+    ``value`` and the range from ``low`` to ``high`` are in a ``unit`` of `SI_FACTORS`, or have no
+    unit. The question, such as "is 78 GPa meant?", names a unit in which the value would be usual,
+    if there is one.
     """
     size = SI_FACTORS.get(unit, 1.0)
     for name in _LIKELY if unit in SI_FACTORS else ():
@@ -35,11 +36,12 @@ def unit_meant(value: float, low: float, high: float, unit: str) -> str:
 
 
 class Property(NamedTuple):
-    """Metadata that annotates a field: ``Annotated[float, Property(...)]``.
+    """Unit, title and allowed values of a field, for ``Annotated[float, Property(...)]``.
 
     ``unit`` is that of tables and configurations ("1" for none), ``symbol`` in ASCII ("sigma_c").
-    ``interval`` holds the allowed values [SI], such as "[0, 0.5]"; None any positive number, and
-    infinity if ``may_be_infinite``. Outside of ``usual`` [SI] a value is probably in a wrong unit.
+    ``interval`` contains the allowed values [SI], such as "[0, 0.5]". If it is None, any positive
+    number is allowed, and infinity if ``may_be_infinite``. A value outside of ``usual`` [SI] is
+    probably in a wrong unit.
     """
 
     long_name: str
@@ -51,12 +53,12 @@ class Property(NamedTuple):
 
     @property
     def size(self) -> float:
-        """Size of the unit in SI."""
+        """Factor by which a value in the unit of the property is multiplied to be in SI."""
         return SI_FACTORS.get(self.unit, 1.0)
 
     @property
     def si_unit(self) -> str:
-        """Unit of the property in a dataset."""
+        """Unit of the property in a dataset, which has SI units: "Pa" for GPa."""
         return {"GPa": "Pa", "MPa": "Pa", "mm": "m", "um": "m"}.get(self.unit, self.unit)
 
     @property
@@ -71,7 +73,7 @@ class Property(NamedTuple):
 
     @property
     def bounds(self) -> dict[str, float]:
-        """Bounds of the key in its unit, in the form that `pydantic.Field` takes."""
+        """Bounds of a configuration key in its own unit, as keywords of `pydantic.Field`."""
         ends = bounds_of(self.interval or "(0, inf)")
         return {sign: end / self.size for sign, end in ends.items()}
 
@@ -85,7 +87,10 @@ class Property(NamedTuple):
 
 
 def properties_of(fields: type) -> dict[str, Property]:
-    """Return the properties of the fields of a named tuple, by name."""
+    """Return the `Property` of each field of a named tuple, from its annotation, by name.
+
+    Raise `ValueError` for a unit that is not in `SI_FACTORS`.
+    """
     hints = get_type_hints(fields, include_extras=True)
     properties = {name: hint.__metadata__[0] for name, hint in hints.items()}
     for name, about in properties.items():
@@ -95,14 +100,20 @@ def properties_of(fields: type) -> dict[str, Property]:
 
 
 def bounds_of(interval: str) -> dict[str, float]:
-    """Return the finite ends of an interval such as "(0, 1]" by the words of `pydantic.Field`."""
+    """Return the finite ends of an interval such as "(0, 1]", as keywords of `pydantic.Field`.
+
+    They are {"gt": 0.0, "le": 1.0} for this one.
+    """
     signs = "ge" if interval[0] == "[" else "gt", "le" if interval[-1] == "]" else "lt"
     ends = zip(signs, map(float, interval[1:-1].split(",")), strict=True)
     return {sign: end for sign, end in ends if math.isfinite(end)}
 
 
 def check_inside(name: str, value: Any, interval: str, reason: str = "") -> None:
-    """Raise `InputError`, with the ``reason``, unless a value is a number in an interval."""
+    """Raise `InputError` unless a value is a number in an interval, such as "(0, 1]".
+
+    ``reason`` is appended to the message.
+    """
     check_number(name, value)
     if not all(getattr(operator, sign)(value, end) for sign, end in bounds_of(interval).items()):
         raise InputError(f"{name} = {value!r}: must lie in {interval}{reason}")
@@ -110,15 +121,20 @@ def check_inside(name: str, value: Any, interval: str, reason: str = "") -> None
 
 @cache
 def name_and_unit(key: str) -> tuple[str, str]:
-    """Return name and unit of a key: ("displacement_step", "um") of displacement_step_um; or ""."""
+    """Return the name and the unit of a configuration key.
+
+    They are ("displacement_step", "um") for displacement_step_um. The unit of a key that does not
+    end in one of `SI_FACTORS` is "".
+    """
     name, _, unit = key.rpartition("_")
     return (name, unit) if name and unit in SI_FACTORS else (key, "")
 
 
 def to_si(settings: dict) -> dict:
-    """Convert settings with unit suffixes in their keys to SI under names without suffixes.
+    """Convert settings whose keys end in units to SI, under names without units.
 
-    Raise `InputError` if a value with a unit is no number, or does not fit in double precision.
+    Sequences and nested settings are converted too; values without a unit, and None, stay. Raise
+    `InputError` if a value with a unit is no number, or does not fit in double precision.
     """
     converted: dict = {}
     for key, value in settings.items():
@@ -135,7 +151,10 @@ def to_si(settings: dict) -> dict:
 
 
 def _si_value(key: str, value: float, unit: str) -> float:
-    """Return a value of a key in SI; raise `InputError` unless it fits in double precision."""
+    """Return the value of a configuration key, in a ``unit``, in SI.
+
+    Raise `InputError` unless it is a number that fits in double precision.
+    """
     check_number(key, value)
     number = _times_power_of_ten(value, _power_of_unit(unit))
     if math.isfinite(value) and (math.isinf(number) or (value != 0.0 and number == 0.0)):
@@ -144,7 +163,11 @@ def _si_value(key: str, value: float, unit: str) -> float:
 
 
 def in_unit(value: float, unit: str) -> float | int:
-    """Convert a value in SI to a unit ("1" for none), in short form: 78 for 78e9 in GPa."""
+    """Convert a value in SI to a unit: 78 for 78e9 in GPa.
+
+    A whole number is returned as int. With a unit that is not in `SI_FACTORS`, such as "1", the
+    value is not converted.
+    """
     shown = (
         _times_power_of_ten(value, -_power_of_unit(unit)) if unit in SI_FACTORS else float(value)
     )
@@ -152,10 +175,10 @@ def in_unit(value: float, unit: str) -> float | int:
 
 
 def _power_of_unit(unit: str) -> int:
-    """Return the power of ten of a unit in SI."""
+    """Return the power of ten by which a value in a unit is multiplied to be in SI."""
     return round(math.log10(SI_FACTORS[unit]))
 
 
 def _times_power_of_ten(value: float, power: int) -> float:
-    """Return a value times a power of ten, rounded like the decimal number in the file."""
+    """Return a value times a power of ten, rounded as the decimal number that a user wrote."""
     return float(Decimal(f"{float(value):.15g}").scaleb(power))

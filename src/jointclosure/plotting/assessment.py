@@ -17,7 +17,10 @@ from jointclosure.plotting.style import decimal_ticks, percent_ticks, styled, su
 
 @styled
 def assessment_figure(assessment: Assessment, title: str) -> Figure:
-    """Draw the price of accuracy and the changes without effects, with the verdict as title."""
+    """Draw the errors of settings over their time, and below them the changes without effects.
+
+    The title has the verdict on the hardness of the joint.
+    """
     table = assessment.differences
     table = table[(table.reference != table.variant) & table.quantity.isin(JUDGED)]
     percent = 100.0 * table[["value", "low", "high"]].add_suffix("_percent")
@@ -45,7 +48,11 @@ def assessment_figure(assessment: Assessment, title: str) -> Figure:
 
 
 def _largest_limits(assessment: Assessment) -> pd.DataFrame:
-    """Return the ``error_percent`` and ``seconds`` of closures of a lone joint by its limits."""
+    """Return the errors of a single joint, from the limits that its closures keep.
+
+    There is a row for each setting (``variant``) and cycle: ``error_percent`` [%] is the larger
+    limit of net and gross closure, ``seconds`` the processor time.
+    """
     limits = assessment.limits
     limits = limits[limits.quantity.isin(JUDGED)]
     largest = limits.groupby(["variant", "cycle"], sort=False).limit.max().reset_index()
@@ -54,7 +61,11 @@ def _largest_limits(assessment: Assessment) -> pd.DataFrame:
 
 
 def _largest_ends(settings: pd.DataFrame) -> pd.DataFrame:
-    """Return the ``error_percent`` and ``seconds`` of closures by the ends of their intervals."""
+    """Return the errors of several joints, from the intervals of the mean changes of closures.
+
+    There is a row for each setting (``variant``) and cycle: ``error_percent`` [%] is the end of an
+    interval that is farthest from 0, of net or gross closure, ``seconds`` the processor time.
+    """
     by_cycle = settings.groupby(["variant", "cycle"], sort=False)
     largest = by_cycle.agg(
         low=("low_percent", "min"), high=("high_percent", "max"), seconds=("seconds", "first")
@@ -64,9 +75,11 @@ def _largest_ends(settings: pd.DataFrame) -> pd.DataFrame:
 
 
 def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw errors [%] over seconds by setting and cycle, with the request [%].
+    """Draw the errors [%] of settings over their processor time [s], and the requested accuracy.
 
-    The marks of a setting, one for each cycle with its number, are joined by a line.
+    ``settings`` has a row for each ``variant`` and ``cycle``, with ``error_percent`` and
+    ``seconds``; ``within`` is the request [%]. A setting has a mark for each cycle, with the number
+    of the cycle; they are joined by a line.
     """
     colours = {cycle: f"C{number}" for number, cycle in enumerate(settings.cycle.unique())}
     names = list(dict.fromkeys(settings.variant))
@@ -95,10 +108,11 @@ def draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
 def draw_effects(
     axes: Axes, without: pd.DataFrame, within: float, shown: pd.DataFrame | None = None
 ) -> str:
-    """Draw changes [%] without effects, on the request [%] as a band; return words on the scale.
+    """Draw the changes of closure [%] without effects, on a band of the requested accuracy [%].
 
-    Marks of gross closure are hollow. The axis has the range of all rows ``shown`` in a figure, by
-    default of these.
+    Return what the label of the axis adds about its scale (`percent_ticks`). ``without`` has the
+    changes and their intervals. Marks of gross closure are hollow. The axis has the range of all
+    rows ``shown`` in a figure, by default of ``without``.
     """
     names = list(dict.fromkeys(without.variant))
     axes.axvspan(-within, within, color="0.9", lw=0.0, zorder=0)

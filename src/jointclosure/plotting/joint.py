@@ -51,7 +51,11 @@ AS_REGISTERED = "as registered, usual values"
 
 @styled
 def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = None) -> Figure:
-    """Draw stress against gross and net closure [mm] since seating, with ranges at the maximum."""
+    """Draw stress [MPa] over gross and net closure [mm] since seating, in two panels.
+
+    ``ranges`` are as in `Budget.ranges`. They are drawn at the maximum stress, each cycle above the
+    one before.
+    """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.8), title=title, sharex=True, sharey=True)
     columns = {GROSS: CLOSURE_GROSS, NET: CLOSURE_NET}
     for axes, (of, column) in zip(panels, columns.items(), strict=True):
@@ -76,9 +80,10 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
 
 @styled
 def range_figure(budget: Budget, title: str) -> Figure:
-    """Draw the net closure of the first and the last cycle, and how far each source moves it.
+    """Draw how far each source of uncertainty moves the net closure of the first and last cycle.
 
-    The legend says what the percentages are.
+    Above the sources are the range and the joints with random values of all sources. The legend
+    says what the percentages are.
     """
     ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
     cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
@@ -135,9 +140,11 @@ def range_figure(budget: Budget, title: str) -> Figure:
 
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
-    """Draw stress against the closure ``of`` on axes, a colour for each cycle, unloading dashed.
+    """Draw stress [MPa] over the closure [mm] of a joint, a colour for each cycle.
 
-    Closure counts ``since`` first "touch", "seating", or the start of the "cycle".
+    ``of`` is `NET` or `GROSS`. Loading is solid and unloading dashed. Closure counts ``since``
+    first "touch", "seating" on the loading of each cycle, or the start of the "cycle". Up to five
+    cycles have a legend.
     """
     history = history_of(closed)
     curve = history.curve(of)
@@ -175,7 +182,10 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
 
 
 def _hidden(history: History, of: str, branch: Branch) -> str:
-    """Return what the legend adds to an unloading whose closures those of its loading hide."""
+    """Return what the legend adds to an unloading that lies on the loading of its cycle.
+
+    It is empty for a loading, and if the two closures ``of`` the joint differ by more than `SAME`.
+    """
     if branch.name == LOADING:
         return ""
     up, down = history.curve(of).at(history.table_levels())[branch.cycle - 1]
@@ -186,7 +196,7 @@ def _hidden(history: History, of: str, branch: Branch) -> str:
 
 
 def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
-    """Draw net tangent stiffness over stress from `stress_table`, or from bands of it."""
+    """Draw the net tangent stiffness over stress from a `stress_table`, with its bands if known."""
     _draw_along(axes, curves, "normal_stiffness_net_MPa_per_mm")
     axes.set(yscale="log")
     axes.legend(frameon=False, fontsize=8)
@@ -194,7 +204,11 @@ def draw_stiffness(axes: Axes, curves: pd.DataFrame) -> None:
 
 
 def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = False) -> None:
-    """Draw a column over stress, or ``across`` it, by cycle and branch, with bands of loadings."""
+    """Draw the column ``name`` of a `stress_table` over stress, by cycle and branch.
+
+    Loadings have their bands. With ``across`` the stress is the vertical axis; the labels are those
+    of a horizontal one, and the caller changes them.
+    """
     fill = axes.fill_betweenx if across else axes.fill_between
     cycles = int(curves.cycle.max())
     for (cycle, branch), rows in curves.groupby(["cycle", "branch"], sort=False):
@@ -225,7 +239,11 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
 
 
 def _branch_label(curves: pd.DataFrame, cycle: int, branch: str) -> str:
-    """Name a branch of a `stress_table`; an unloading that its loading hides is named so."""
+    """Return the entry of a branch in a legend, such as "cycle 1, loading".
+
+    An unloading whose stiffness and aperture in the `stress_table` differ from those of the loading
+    by at most `SAME` is said to be the same.
+    """
     label = f"cycle {cycle}, {branch}"
     of_cycle = curves[curves.cycle == cycle].set_index("normal_stress_MPa")
     up, down = (of_cycle.loc[of_cycle.branch == name, _SEEN] for name in (LOADING, branch))
@@ -240,7 +258,12 @@ def engineering_figure(
     curves: pd.DataFrame | None = None,
     laws: Mapping[int, BartonBandis] = {},
 ) -> Figure:
-    """Draw closure and its laws, tangent stiffness, aperture and flow, with bands if known."""
+    """Draw closure with its laws, tangent stiffness, aperture and transmissivity over stress.
+
+    ``curves`` is the `stress_table` of the joint, with bands if they are known; by default it is
+    made without them. ``laws`` are those of Barton and Bandis, by cycle. The transmissivity is
+    drawn if the joint has flow.
+    """
     curves = stress_table(joint) if curves is None else curves
     has_flow = history_of(joint).has_flow
     shape, size = ((2, 2), (10.4, 9.2)) if has_flow else ((1, 3), (13.5, 6.0))
@@ -271,7 +294,7 @@ def engineering_figure(
 
 
 def _about_bands(curves: pd.DataFrame) -> str:
-    """Return what the bands of curves contain, as title of a legend; empty without bands."""
+    """Return the title of a legend that says what the bands contain; empty without bands."""
     if not has_bands(curves):
         return ""
     about = "dark bands: 9 in 10 joints compatible with the scans and the stated properties"
@@ -307,7 +330,7 @@ def _legend_of_cycles(figure: Figure, named: Mapping[str, Artist], cycles: int, 
 
 
 def _kind(label: str) -> int:
-    """Return the place of an entry among those of its cycle."""
+    """Return the place of an entry of the legend among the entries of its cycle, from 0."""
     words = label.partition(", ")[2].removesuffix(_SAME_TEXT)
     return _KINDS.index(words)
 
@@ -342,9 +365,10 @@ def _draw_closure(
 
 
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
-    """Draw transmissivity over stress where it is known and above 0; its upper bound dotted.
+    """Draw the transmissivity over stress where it is known and above 0, and its upper bound.
 
-    The axis has the limits of what is drawn, and at most `DECADES`.
+    The bound is dotted. The axis is logarithmic, with at most `DECADES` below the largest value;
+    if no transmissivity is above 0, it is left as it is.
     """
     name = "transmissivity_m2_per_s"
     bands = [*columns_of(curves, name)[2:], *wider_columns_of(curves, name)[1:]]

@@ -23,9 +23,10 @@ _LEAST = 1e-4  # p-value at the end of the scale of colours
 def fit_figure(result: Fit, title: str) -> Figure:
     """Draw the measured curve on the band of the fitted joints, and what the fit tried.
 
-    The band is that of the nearest joints if none reaches the curve. Beside it are the simulated
-    over the measured readings, and the log likelihood if the model explains the curve, over the
-    fitted parameter: the mismatch wavelength, or the compressive strength for scanned walls.
+    If the model does not explain the curve, the band is that of the nearest joints. Beside it, over
+    the fitted parameter, are the ratios of simulated to measured readings, and the log likelihood
+    if the model explains the curve. The parameter is the mismatch wavelength, or the compressive
+    strength for scanned walls.
     """
     if not result.interval_holds:
         title += ": the model does not explain this curve, and no interval is valid"
@@ -63,7 +64,12 @@ def fit_figure(result: Fit, title: str) -> Figure:
 
 
 def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray) -> None:
-    """Draw simulated (nodes, ..., readings) over measured readings, with 90 % of the joints."""
+    """Draw the ratio of simulated to measured readings over the fitted parameter.
+
+    Each reading has the median and the range of 90 % of the joints. ``nodes`` (n,) are the values
+    of the parameter, ``logs`` (n, ..., readings) the logarithms of simulated readings, NaN for
+    failed joints; nodes at which all joints failed are left out.
+    """
     known = np.isfinite(logs).reshape(len(nodes), -1).any(axis=1)
     nodes = nodes[known]
     logs = logs[known]
@@ -89,7 +95,11 @@ def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray)
 def draw_measured(
     axes: Axes, result: Fit | Region, closures: np.ndarray, stresses: np.ndarray, kind: str
 ) -> None:
-    """Draw the curve on the band of closures (joints, cycles, 2, stresses) [m] at stresses [Pa]."""
+    """Draw a measured curve, and below it the band of nine in ten simulated joints.
+
+    ``closures`` (joints, cycles, 2, stresses) [m] are net, since the seating of each cycle, on
+    loading and unloading, at ``stresses`` [Pa]. ``kind`` says in the legend which joints they are.
+    """
     for cycle in range(1, result.measured.cycles + 1):
         colour = f"C{cycle - 1}"
         for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
@@ -113,7 +123,11 @@ def draw_measured(
 
 
 def _drawn_joints(result: Fit) -> np.ndarray:
-    """Return which joints (wavelengths, strengths, joints) are nearest or in valid intervals."""
+    """Return whether each simulated joint (wavelengths, strengths, joints) is drawn.
+
+    Drawn are joints at the most likely wavelength and strength; if the interval of the fit is
+    valid, those within it too. Joints without all readings are not.
+    """
     likelihood = result.likelihood
     kept = np.isfinite(result.simulated.logs).all(axis=-1)
     best = likelihood.nodes(likelihood.best, kept.shape[:2])
@@ -129,7 +143,10 @@ def _drawn_joints(result: Fit) -> np.ndarray:
 
 @styled
 def region_figure(region: Region, title: str) -> Figure:
-    """Draw p-values, of the best wavelength, by strength and constant; and the nearest joints."""
+    """Draw the measured curve on the nearest joints, and p-values by strength and constant.
+
+    There is a panel for each mechanism. A p-value is the largest over the mismatch wavelengths.
+    """
     mechanisms = [name for name in MECHANISMS if name in region.mechanisms] or [NEITHER]
     figure, panels = subplots(
         1, 1 + len(mechanisms), figsize=(5.6 + 3.9 * len(mechanisms), 6.4),
@@ -161,7 +178,10 @@ def region_figure(region: Region, title: str) -> Figure:
 
 
 def _draw_p_values(axes: Axes, kinds: Sequence[Likelihood]):
-    """Draw p-values over the constants (columns) and strengths, and the end of the region."""
+    """Draw p-values by constant (columns) and strength, with the limit of the compatible region.
+
+    ``kinds`` are the likelihoods of the constants. Return the mesh, for a colour bar.
+    """
     p_values = np.stack([one.p_values.max(axis=0) for one in kinds], axis=1)
     strengths = 1e-6 * kinds[0].strengths
     half = np.sqrt(strengths[1] / strengths[0])

@@ -36,17 +36,36 @@ def __dir__() -> list[str]:
 def curves(
     joint: Joint, axes: Axes | None = None, since: str = "touch", gross: bool = False
 ) -> Axes:
-    """Draw normal stress over closure: loading solid, unloading dashed, a colour for each cycle.
+    """Draw normal stress [MPa] over closure [mm] of a joint, or of all joints of an ensemble.
+
+    Loading is solid and unloading dashed, with a colour for each cycle. Joints of an ensemble are
+    thin lines. Their mean, a thick line, is at each stress over the joints that reached it. The
+    range of a `ClosedJoint` is not drawn.
 
     Parameters
     ----------
     joint : Dataset or ClosedJoint
-        As from `jointclosure.simulate` or `jointclosure.close`; or from
-        `jointclosure.simulate_ensemble`, where joints are thin lines and their mean a thick one.
+        Joint from `jointclosure.simulate` or `jointclosure.close`, or an ensemble from
+        `jointclosure.simulate_ensemble`.
+    axes : Axes, optional
+        Axes to draw on, whose labels, lower limit of stress and legend are set. By default those of
+        a new figure of pyplot.
     since : {"touch", "seating", "cycle"}
-        Zero of closure; that of ensembles is first touch.
+        Zero of closure: first touch, the seating stress on the loading of each cycle, or the start
+        of each cycle. For an ensemble only "touch" is allowed.
     gross : bool
-        Whether to draw gross closure, with the elastic indentation of the half-spaces.
+        Whether to draw gross closure, with the elastic indentation of the half-spaces, in place of
+        net closure.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on.
+
+    Raises
+    ------
+    InputError
+        If ``since`` is not one of these words, or not "touch" for an ensemble.
     """
     check_one_of("since", since, ("touch", "seating", "cycle"))
     history = _history(joint)
@@ -61,7 +80,10 @@ def curves(
 
 
 def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
-    """Draw the closure of each joint of an ensemble as a thin line, their mean as a thick one."""
+    """Draw the closure of each joint of an ensemble as a thin line, and the mean as a thick line.
+
+    The mean at a stress is over the joints that reached it.
+    """
     stress = 1e-6 * ensemble.stress.values
     closures = ensemble.closure if gross else ensemble.closure - ensemble.bulk_indentation
     for index, number in enumerate(ensemble.cycle.values):
@@ -80,10 +102,22 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
-    """Draw the net tangent stiffness kn [MPa/mm] of one joint over stress [MPa].
+    """Draw the net tangent stiffness kn [MPa/mm] of one joint over normal stress [MPa].
 
     The stiffness has a logarithmic axis, with a line for each cycle and branch. The range of a
     `ClosedJoint` is not drawn.
+
+    Parameters
+    ----------
+    joint : Dataset or ClosedJoint
+        Joint from `jointclosure.simulate` or `jointclosure.close`; no ensemble.
+    axes : Axes, optional
+        Axes to draw on, by default those of a new figure of pyplot.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on.
     """
     axes = _axes(axes)
     draw_stiffness(axes, stress_table(_history(joint)))
@@ -92,7 +126,27 @@ def stiffness(joint: Joint, axes: Axes | None = None) -> Axes:
 
 @styled
 def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
-    """Draw a map of heights (y, x) [m] on a grid of a spacing [m]."""
+    """Draw a map of the heights of one wall [mm], with a colour bar.
+
+    Parameters
+    ----------
+    heights : array (y, x)
+        Heights [m]; NaN are holes.
+    spacing : float
+        Grid spacing [m].
+    axes : Axes, optional
+        Axes to draw on, by default those of a new figure of pyplot.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on.
+
+    Raises
+    ------
+    InputError
+        If the spacing is not allowed.
+    """
     check_length("spacing", spacing)
     axes = _axes(axes)
     heights = np.asarray(heights)
@@ -107,7 +161,7 @@ def walls(
     upper: Any, lower: np.ndarray | None = None, *, spacing: float | None = None,
     axes: Axes | None = None,
 ) -> Axes:  # fmt: skip
-    """Draw both walls at first touch, in a section along x through the first contact.
+    """Draw both walls at first touch, in a section along x through the first contact [mm].
 
     Parameters
     ----------
@@ -116,6 +170,18 @@ def walls(
         with walls and spacing.
     spacing : float
         Grid spacing [m], needed with arrays.
+    axes : Axes, optional
+        Axes to draw on, by default those of a new figure of pyplot.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on.
+
+    Raises
+    ------
+    InputError
+        If a wall or the spacing is missing, or the spacing is not allowed.
     """
     pair = getattr(upper, "pair", upper)
     if lower is None and hasattr(pair, "spacing") and hasattr(pair, "lower"):
@@ -133,31 +199,81 @@ def walls(
 
 @styled
 def aperture(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
-    """Draw the distance of the deformed walls in a snapshot, with contacts in yellow.
+    """Draw a map of the distance of the deformed walls [mm] in a snapshot, with contacts in yellow.
 
-    ``joint`` was simulated with ``snapshots``; ``snapshot`` is the index of one, by default the
-    last. Raise `InputError` if the joint has no such snapshot.
+    Parameters
+    ----------
+    joint : Dataset or ClosedJoint
+        Joint from `jointclosure.simulate` or `jointclosure.close` with ``snapshots``.
+    snapshot : int
+        Index of the snapshot, by default the last one.
+    axes : Axes, optional
+        Axes to draw on, by default those of a new figure of pyplot.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on. The colours have the same scale for all snapshots of the joint.
+
+    Raises
+    ------
+    InputError
+        If the joint has no such snapshot.
     """
     return _state_map(axes, joint, snapshot, "aperture")
 
 
 @styled
 def contacts(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
-    """Draw the stress of the cells in contact in a snapshot; arguments as for `aperture`."""
+    """Draw a map of the normal stress [MPa] of the cells in contact in a snapshot.
+
+    Parameters
+    ----------
+    joint, snapshot, axes
+        As for `aperture`.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on.
+
+    Raises
+    ------
+    InputError
+        If the joint has no such snapshot.
+    """
     return _state_map(axes, joint, snapshot, "stress")
 
 
 @styled
 def damage(joint: Joint, snapshot: int = -1, axes: Axes | None = None) -> Axes:
-    """Draw the change of the sum of both walls' heights since first touch.
+    """Draw a map of what the walls lost or gained by breakage and gouge up to a snapshot.
 
-    Arguments are as for `aperture`.
+    It is the change of the sum of both walls' heights [mm] since first touch.
+
+    Parameters
+    ----------
+    joint, snapshot, axes
+        As for `aperture`.
+
+    Returns
+    -------
+    Axes
+        The axes that were drawn on.
+
+    Raises
+    ------
+    InputError
+        If the joint has no such snapshot.
     """
     return _state_map(axes, joint, snapshot, "change")
 
 
 def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axes:
-    """Draw one of `MAPS` of a snapshot, with its colour bar, if the joint has this snapshot."""
+    """Draw the map ``name``, one of `MAPS`, of a snapshot of a joint, with colour bar and title.
+
+    Raise `InputError` if the joint has no such snapshot.
+    """
     history = _history(joint)
     axes = _axes(axes)
     count = history.sizes.get("snapshot", 0)
@@ -173,12 +289,12 @@ def _state_map(axes: Axes | None, joint: Joint, snapshot: int, name: str) -> Axe
 
 
 def _history(joint: Joint) -> xr.Dataset:
-    """Return the history of a joint, which a `ClosedJoint` contains."""
+    """Return the history of a joint: that of a `ClosedJoint`, or the dataset itself."""
     return joint if isinstance(joint, xr.Dataset) else joint.history
 
 
 def _axes(axes: Axes | None) -> Axes:
-    """Return axes, those of a new figure if none are given."""
+    """Return the given axes, or those of a new figure of pyplot if none are given."""
     import matplotlib.pyplot as plt  # the imports above name its extra if it is missing
 
     return plt.subplots(layout="constrained")[1] if axes is None else axes

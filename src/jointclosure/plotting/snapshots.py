@@ -28,7 +28,10 @@ _ROWS = 3  # of full size; with n snapshots each map has sqrt(n / 3) columns
 
 @styled
 def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
-    """Draw each snapshot: aperture with contacts, stress of cells, change of the walls."""
+    """Draw three maps of each snapshot of a joint.
+
+    They are the aperture with contacts, the stress of cells, and the change of the walls' heights.
+    """
     number = closed.sizes["snapshot"]
     blocks = math.ceil(math.sqrt(number / _ROWS))
     rows = math.ceil(number / blocks)
@@ -61,7 +64,10 @@ MAPS: dict[str, dict[str, Any]] = {
 
 
 def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesImage:
-    """Draw one of `MAPS` of a snapshot, with colours for all snapshots."""
+    """Draw the map ``name``, one of `MAPS`, of a snapshot, by its index.
+
+    The scale of colours is that of all snapshots of the joint.
+    """
     force = closed.snapshot_force.values
     spacing = history_of(closed).spacing
     colours: str | Colormap
@@ -91,7 +97,7 @@ def draw_map(axes: Axes, closed: xr.Dataset, name: str, snapshot: int) -> AxesIm
 
 
 def describe_state(snapshot: xr.Dataset) -> tuple[str, str, str]:
-    """Describe a snapshot by one title for each map."""
+    """Return a title for each of `MAPS` of a snapshot: stress, share in contact, broken volume."""
     stress = 1e-6 * float(snapshot.normal_stress[int(snapshot.snapshot_step)])
     contacts = 100.0 * float((snapshot.snapshot_force > 0.0).mean())
     broken = 1e9 * float(snapshot.snapshot_broken_volume)
@@ -100,28 +106,37 @@ def describe_state(snapshot: xr.Dataset) -> tuple[str, str, str]:
 
 
 def change_of_height(closed: xr.Dataset) -> np.ndarray:
-    """Return the change of the sum of both walls' heights since first touch.
+    """Return the change (snapshot, y, x) [m] of the sum of both walls' heights since first touch.
 
-    It is (snapshot, y, x) in m.
+    It is negative where the walls lost height.
     """
     now = closed.snapshot_upper.values + closed.snapshot_lower.values
     return now - (closed.upper_first.values + closed.lower_first.values)
 
 
 def reach_of(values: np.ndarray) -> float:
-    """Return the 99.5 % quantile of the values above 0, to ignore outliers; 1 without any."""
+    """Return the end of a scale of colours: the 99.5 % quantile of the values above 0.
+
+    It is 1 if no value is above 0.
+    """
     some = values[values > 0.0]
     return float(np.quantile(some, 0.995)) if some.size else 1.0
 
 
 def animated_stresses(largest: float) -> list[float]:
-    """Return stresses [Pa] of an animation, dense at low stress, where joints close fast."""
+    """Return the stresses [Pa] of the snapshots of an animation, from 0 to the ``largest``.
+
+    They are dense at low stress, where joints close fast.
+    """
     return [float(largest * share**2) for share in np.linspace(0.0, 1.0, STRESSES + 1)]
 
 
 @styled
 def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
-    """Animate the walls along x, the change of their heights, and the curve up to each snapshot."""
+    """Animate a joint over its snapshots: a section of the walls, a map of their change, the curve.
+
+    A point on the curve of gross closure shows the state. Raise `InputError` without snapshots.
+    """
     if not closed.sizes.get("snapshot"):
         raise InputError("an animation needs snapshots: simulate(..., snapshots=[...])")
     mosaic = [["curve", "map"], ["walls", "walls"]]
@@ -159,7 +174,10 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
 
 
 def _draw_walls(axes, closed: xr.Dataset, frame: int) -> None:
-    """Draw both walls along the row that loses most, the upper one at its gap to the lower one."""
+    """Draw a section of both walls along x at a snapshot, the upper one above its gap.
+
+    The section is along the row whose heights change most up to the last snapshot.
+    """
     row = int(np.abs(change_of_height(closed)[-1]).sum(axis=1).argmax())
     lower = 1e3 * closed.snapshot_lower.values[:, row]
     upper = lower + 1e3 * np.maximum(closed.snapshot_gap.values[:, row], 0.0)

@@ -47,7 +47,7 @@ _Drawn = TypeVar("_Drawn")
 
 
 def styled(draw: Callable[..., _Drawn]) -> Callable[..., _Drawn]:
-    """Decorate a function that makes a figure, or draws on one, to apply the style."""
+    """Decorate a function that makes a figure, or draws on one: it runs with the common style."""
 
     @functools.wraps(draw)
     def drawn(*arguments, **settings) -> _Drawn:
@@ -65,7 +65,10 @@ class StyledFigure(Figure):
 
 
 def subplots(*shape, figsize, layout="constrained", title="", **settings) -> tuple:
-    """Return a figure unknown to pyplot, and its axes: rows and columns, or those of a mosaic."""
+    """Make a figure that pyplot does not know, and return it with its axes.
+
+    ``shape`` are the numbers of rows and columns, or one mosaic of names. ``figsize`` is in inches.
+    """
     figure = StyledFigure(figsize=figsize, layout=layout)
     if title:
         figure.suptitle(title, parse_math=False)  # a file's name is not a formula
@@ -74,20 +77,27 @@ def subplots(*shape, figsize, layout="constrained", title="", **settings) -> tup
 
 
 def panel_grid(rows: int, columns: int, panel: tuple, margin: tuple = (0.0, 0.0), **settings):
-    """Return a figure and axes (rows, columns) of the size of a panel, and a margin [inches]."""
+    """Make a figure of equal panels, and return it with its axes (rows, columns).
+
+    ``panel`` is the width and height of one panel, ``margin`` what the figure has besides [inches].
+    """
     figsize = (panel[0] * columns + margin[0], panel[1] * rows + margin[1])
     return subplots(rows, columns, figsize=figsize, squeeze=False, **settings)
 
 
 def above(cycle: int, branch: str) -> float:
-    """Return the drawing order: unloading above the next cycle's nearly equal loading."""
+    """Return the drawing order of a branch of a curve: unloading above all loadings.
+
+    An unloading is therefore seen on the loading of the next cycle, which is nearly equal.
+    """
     return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle
 
 
 def decimal_ticks(*logarithmic: Axis, **locator) -> None:
     """Label logarithmic axes by decimal numbers, at 1, 2 and 5 of each decade.
 
-    Longer axes have labels at 1 and 3, or at 1 alone.
+    An axis over more than a factor of 50 has labels at 1 and 3, over more than 3,000 at 1 alone.
+    ``locator`` are further arguments of matplotlib's `LogLocator`.
     """
     for axis in logarithmic:
         low, high = axis.get_view_interval()
@@ -100,7 +110,10 @@ def decimal_ticks(*logarithmic: Axis, **locator) -> None:
 
 
 def ticks_at(axis: Axis, values: Iterable[float], labels: Iterable[str] | None = None) -> None:
-    """Put ticks only at some values, without a change of the limits."""
+    """Put the ticks of an axis only at some values, with ``labels``, by default the values.
+
+    The limits of the axis do not change.
+    """
     values = list(values)
     axis.set_major_locator(FixedLocator(values))
     axis.set_minor_locator(NullLocator())

@@ -30,21 +30,28 @@ HOLES = "0.4"
 
 
 def draw_field(axes: Axes, field: np.ndarray, spacing: float, **style: Any) -> AxesImage:
-    """Draw a map of a field (y, x) on a grid of a spacing [m]; where it is NaN there is a hole."""
+    """Draw a map of a field (y, x) on a grid of a spacing [m]; NaN have the colour of holes.
+
+    ``style`` are arguments of matplotlib's ``imshow``.
+    """
     axes.set(xlabel="x (mm)", ylabel="y (mm)", facecolor=HOLES)
     height, width = (1e3 * cells * spacing for cells in field.shape)
     return axes.imshow(field, origin="lower", extent=(0.0, width, 0.0, height), **style)
 
 
 def draw_heights(axes: Axes, heights: np.ndarray, spacing: float, reach: float) -> AxesImage:
-    """Draw a map of heights (y, x) [m], with colours from minus to plus a reach [m]."""
+    """Draw a map of heights (y, x) [m], in mm, with colours from minus to plus ``reach`` [m]."""
     limits = {"vmin": -1e3 * reach, "vmax": 1e3 * reach}
     return draw_field(axes, 1e3 * heights, spacing, cmap="vlag", **limits)
 
 
 @styled
 def pair_figure(pair: RegisteredPair, title: str) -> Figure:
-    """Draw both walls, aperture and section at first touch; unless one is flat, their mating."""
+    """Draw two registered walls: maps of their heights, aperture and section at first touch.
+
+    Unless one wall is flat, the correlation of the walls over wavelength and the fits of the
+    orientations are drawn too.
+    """
     columns = 3 if pair.fits else 2
     figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2), title=title)
     panels = grid.ravel()
@@ -83,7 +90,7 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
 
 
 def _name_holes(figure: Figure, holes: np.ndarray, words: str) -> None:
-    """Add a legend for the colour of holes (y, x), with their share, if there are any."""
+    """Add a legend for the colour of holes (y, x), with their share of the cells, if any."""
     if holes.any():
         patch = Patch(facecolor=HOLES, label=f"{words} ({percent(holes.mean())} of the cells)")
         figure.legend(handles=[patch], loc="outside lower center", frameon=False)
@@ -100,9 +107,9 @@ def _add_bar(axes: Axes, image: AxesImage, label: str, extend: str = "neither") 
 def draw_section(
     axes, upper: np.ndarray, lower: np.ndarray, spacing: float, holes: np.ndarray | None = None
 ) -> None:
-    """Draw walls (y, x) [m] at first touch, along x through it, with the gap shaded.
+    """Draw a section of two walls (y, x) [m] at first touch, with the gap shaded.
 
-    In cells of ``holes`` (y, x) nothing is drawn.
+    The section is along x through the first contact. In cells of ``holes`` (y, x) nothing is drawn.
     """
     aperture = float((upper + lower).max()) - upper - lower
     row, column = np.unravel_index(int(aperture.argmin()), aperture.shape)
@@ -121,7 +128,10 @@ def draw_section(
 
 
 def _draw_mating(axes, pair: RegisteredPair) -> None:
-    """Draw correlation over wavelength, with one standard error, and the mismatch wavelength."""
+    """Draw the correlation of two walls over wavelength [mm], and the mismatch wavelength.
+
+    The bars are one standard error. The interval of the mismatch wavelength is shaded.
+    """
     mating = pair.mating
     error = (1.0 - mating.correlation**2) / np.sqrt(mating.modes)
     wavelengths = 1e3 * mating.wavelengths
@@ -144,7 +154,7 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
 
 @styled
 def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
-    """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance."""
+    """Draw the roughness of a wall (y, x) [m]: map, profiles, and rms differences over distance."""
     wide: dict = {"layout": ConstrainedLayoutEngine(wspace=0.06), "width_ratios": (1.1, 1.0, 1.0)}
     figure, panels = subplots(1, 3, figsize=(13.0, 4.3), title=title, **wide)
     image = draw_heights(panels[0], heights, spacing, np.nanmax(np.abs(heights)))
@@ -169,7 +179,7 @@ def roughness_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
 
 
 def profile_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
-    """Draw a level profile (n,) [m]; the scale of heights is larger than that of distances."""
+    """Draw a levelled profile of heights (n,) [m]; heights have a larger scale than distances."""
     figure, axes = subplots(1, 1, figsize=(9.0, 3.0), title=title)
     place = 1e3 * spacing * np.arange(heights.size)
     axes.plot(place, 1e3 * heights, color="C0", lw=1.0)
@@ -179,7 +189,10 @@ def profile_figure(heights: np.ndarray, spacing: float, title: str) -> Figure:
 
 
 def _draw_increments(axes, distances: np.ndarray, rms: dict[str, np.ndarray]) -> None:
-    """Draw RMS height differences [m] over distances [m], both from `increments`, with a law."""
+    """Draw the rms height differences [m] over distances [m], both from `increments`.
+
+    A power law is fitted to the second differences; its exponent H is in the legend.
+    """
     distances = 1e3 * distances
     kinds = {"": ("o", "of two heights"), "second_": ("^", "second differences")}
     for prefix, (marker, words) in kinds.items():

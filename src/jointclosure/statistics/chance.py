@@ -1,4 +1,4 @@
-"""Scores that rows of fitted constants reach by chance."""
+"""Scores of fitted constants: how many readings they predict, and how many by chance."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from jointclosure.statistics.randomness import generator
 
-NULL_DRAWS = 10_000  # of the null hypothesis; a probability of 0.05 is then known to 0.002
+NULL_DRAWS = 10_000  # draws of the null hypothesis; a probability of 0.05 is then known to 0.002
 
 
 class Scores(NamedTuple):
-    """How well rows of constants predict readings."""
+    """How well each of several rows of constants predicts the readings of measured joints."""
 
-    score: np.ndarray  # number of readings within a row's intervals (rows,)
-    chance: np.ndarray  # probability of so many or more by chance (rows,)
+    score: np.ndarray  # number of readings that overlap the intervals of a row (rows,)
+    chance: np.ndarray  # probability of this number or a larger one by chance (rows,)
 
 
 def chance_of_scores(
@@ -23,14 +23,28 @@ def chance_of_scores(
     constants: np.ndarray,
     seed: int,
 ) -> Scores:
-    """Compute how often measurements that no row explains give a row's score or a better one.
+    """Compute the score of each row of constants, and how probable it or a better one is by chance.
 
-    ``values`` and the ends of ``intervals`` are (rows, quantities, joints), the ends of
-    ``measured`` (quantities, joints), ``constants`` (rows,) the number that a row has fitted. A
-    reading counts if its range overlaps the interval of the row. Under the null hypothesis the
-    quantities are unrelated: the range of each lies, as wide as it is, about the values of a row
-    that is drawn for this quantity alone. Every draw chooses the best of all rows with at most as
-    many constants anew, so that the selection among them counts.
+    The score is the number of readings whose measured range overlaps the interval that the row
+    predicts. A row is a set of fitted constants, and a reading is one quantity of one joint.
+
+    Under the null hypothesis the quantities are unrelated: the measured range of each keeps its
+    width, but lies about the ``values`` of a row that is drawn for this quantity alone. In every
+    draw the best of all rows with at most as many constants is taken, so that the choice among rows
+    counts.
+
+    Parameters
+    ----------
+    values : array (rows, quantities, joints)
+        Predicted values.
+    intervals : pair of arrays (rows, quantities, joints)
+        Low and high ends of the predicted intervals.
+    measured : pair of arrays (quantities, joints)
+        Low and high ends of the measured ranges.
+    constants : array (rows,)
+        Number of constants that each row has fitted.
+    seed : int
+        Seed of the draws.
     """
     rows, quantities, _ = values.shape
     width = 0.5 * (measured[1] - measured[0])
@@ -49,5 +63,5 @@ def chance_of_scores(
 
 
 def _overlaps(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]):
-    """Return whether two ranges (low, high) have a value in common."""
+    """Return whether two ranges (low, high) have a value in common, element by element."""
     return (one[0] <= other[1]) & (other[0] <= one[1])

@@ -23,11 +23,11 @@ from jointclosure.statistics.standard_errors import Estimate, deviations_of, mea
 
 
 class Known(NamedTuple):
-    """Means (m,) of covariates, known from many surfaces, infinitely many if exactly."""
+    """Means of m covariates that are known from many surfaces, and their scatter."""
 
-    means: np.ndarray
-    covariance: np.ndarray  # (m, m) from surface to surface, not of the means
-    surfaces: float
+    means: np.ndarray  # (m,)
+    covariance: np.ndarray  # (m, m) of covariates from surface to surface, not of their means
+    surfaces: float  # number of surfaces; infinite if the means are exact
 
 
 class Means(NamedTuple):
@@ -37,25 +37,33 @@ class Means(NamedTuple):
     covariance: np.ndarray
 
     def estimate(self, level: int) -> Estimate:
-        """Return the mean at one level, and its standard error."""
+        """Return the mean at the level of an index, and its standard error."""
         return self.combined(np.eye(self.values.size)[level])
 
     def combined(self, weights) -> Estimate:
-        """Return the sum of weights (k,) times means, for example a difference of two levels."""
+        """Return a weighted sum of the means with its standard error, such as a difference.
+
+        ``weights`` (k,) are those of the levels.
+        """
         weights = np.asarray(weights)
         variance = max(float(weights @ self.covariance @ weights), 0.0)
         return Estimate(float(weights @ self.values), float(np.sqrt(variance)))
 
 
 def fewest_surfaces(covariates: int) -> int:
-    """Return the smallest number of surfaces for adjustment by a number of covariates."""
+    """Return the smallest number of surfaces on which means can be adjusted by ``covariates``.
+
+    It is five for each covariate and the mean.
+    """
     return 5 * (covariates + 1)
 
 
 def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
-    """Compute means of samples (k, n) at k levels, adjusted by covariates (k, n, m).
+    """Compute the means of samples (k, n) of n surfaces at k levels, adjusted by covariates.
 
-    ``paired`` is whether the n surfaces are the same at all levels.
+    The covariates (k, n, m) have means that are ``known`` from many surfaces. ``paired`` is whether
+    the n surfaces are the same at all levels. Raise `InputError` if covariates are constant or
+    dependent.
     """
     adjusted, coefficients = adjusted_values(samples, covariates, known.means)
     coefficients = coefficients.mean(axis=1)
@@ -64,11 +72,15 @@ def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
 
 
 def adjusted_values(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
-    """Compute values (..., n) with the adjusted mean, and coefficients (..., n, m) of each surface.
+    """Adjust the values (..., n) of n surfaces by their covariates (..., n, m).
 
-    The scatter of the values is the unexplained part. With the least-squares coefficients beta of
-    all surfaces, residuals e and leverages h, those without surface i are
-    beta - (X'X)^-1 x_i e_i/(1 - h_i). Raise `InputError` if covariates are constant or dependent.
+    Return the adjusted values (..., n), whose mean is the adjusted mean and whose scatter is what
+    the covariates do not explain, and the coefficients beta (..., n, m). The coefficients of a
+    surface are fitted without this surface: with the least-squares coefficients beta of all
+    surfaces, residuals e and leverages h, those without surface i are
+    beta - (X'X)^-1 x_i e_i/(1 - h_i). ``known_means`` (m,) are the means of the covariates on many
+    surfaces. Raise `InputError` if covariates are constant, constant but for one surface, or
+    dependent.
     """
     values = np.asarray(values, float)
     covariates = np.asarray(covariates, float)
@@ -97,14 +109,19 @@ def adjusted_values(values, covariates, known_means) -> tuple[np.ndarray, np.nda
 def adjusted_deviations(
     samples, covariates, known: Known, tell_scatter: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Estimate standard deviations of a target, adjusted by covariates of known moments.
+    """Estimate the standard deviations of samples (k, n) at k levels, adjusted by covariates.
+
+    Return the deviations (k,) and their standard errors (k,). The covariates (k, n, m) have
+    ``known`` means and variances. Without ``tell_scatter`` the covariates are not used, and the
+    result is that of `deviations_of`.
 
     S^2 is the mean of (y_i - m)^2 + S_a^2/n, where m is the adjusted mean and S_a the scatter of
     the adjusted values, which corrects for the fit of m. (With the plain mean it would be biased,
     because the plain mean correlates with the covariates.) This mean is adjusted by the covariates
-    c and the squares (c - mean of c)^2, whose means are the known variances. The error neglects the
-    uncertainty of these means: with a hundred times as many surfaces as were simulated it would add
-    a percent. Without ``tell_scatter`` deviations (k,) and errors (k,) are not adjusted.
+    c and the squares (c - mean of c)^2, whose means are the known variances. At a level at which
+    the adjusted S^2 would not be positive, it is not adjusted. The error neglects the uncertainty
+    of the known means: with a hundred times as many surfaces as were simulated it would add a
+    percent.
     """
     samples = np.asarray(samples, float)
     covariates = np.asarray(covariates, float)
@@ -143,9 +160,10 @@ def adjusted_length(
 ) -> tuple[float, BootstrapInterval]:
     """Compute the indifference length of the unpaired test from adjusted means and deviations.
 
-    ``samples`` (k, n) and ``covariates`` (k, n, m) are at k levels, one of them the base. Return
-    the length, NaN without a root, and its interval by draws of means and deviations within their
-    errors.
+    ``samples`` (k, n) and ``covariates`` (k, n, m) are at ``levels`` (k,), one of which is the
+    ``base``. Return the length, in the unit of the levels and NaN without a root, and its interval
+    of a ``confidence``. The interval is from ``draws`` of means and deviations within their errors.
+    ``significance`` is that of the t test; other arguments are as for `adjusted_deviations`.
     """
     means = adjusted_means(samples, covariates, known, paired=False)
     deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)

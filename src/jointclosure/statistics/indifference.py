@@ -60,7 +60,10 @@ ITERATIONS = 200  # at most, of Newton's method with bisection; it needs far few
 
 
 def _horner(u: Any, coefficients: Any) -> Any:
-    """Evaluate polynomials by Horner's scheme, coefficients along the first axis."""
+    """Evaluate polynomials at u by Horner's scheme.
+
+    ``coefficients`` are along the first axis, highest power first.
+    """
     value = 0.0 * u
     for coefficient in coefficients:
         value = value * u + coefficient
@@ -68,9 +71,9 @@ def _horner(u: Any, coefficients: Any) -> Any:
 
 
 def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """Return the real root of largest magnitude (m,) of polynomials (m, degree + 1), NaN if none.
+    """Return the real root of largest magnitude (m,) of each of m polynomials; NaN if it has none.
 
-    Coefficients are in descending order of powers.
+    ``coefficients`` (m, degree + 1) are in descending order of powers.
     """
     coefficients = np.asarray(coefficients, dtype=float)
     if coefficients.shape[1] != 5:
@@ -89,7 +92,10 @@ def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
 
 
 def _largest_quartic_roots(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the real roots of largest magnitude (m,), NaN if none, and whether each is certain.
+    """Return the real roots of largest magnitude (m,) of quartics (m, 5), and which are certain.
+
+    A root is NaN if there is none. The second value (m,) is False where rounding may decide, or
+    where the method does not hold: the caller must solve these quartics in another way.
 
     In s = root/bound, with the bound a power of two, which rounds nothing, the quartic becomes
     q(s) = s^4 + ..., whose minima are at roots of a cubic. The outermost roots lie beyond the
@@ -129,13 +135,16 @@ def _largest_quartic_roots(quartics: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _evaluate_monic(s: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    """Evaluate s^4 + ... with the other coefficients (4, m), highest power first."""
+    """Evaluate monic quartics s^4 + ... at s (m,); the other ``coefficients`` are (4, m)."""
     third, second, first, zeroth = coefficients
     return (((s + third) * s + second) * s + first) * s + zeroth
 
 
 def _turning_points(monic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the lowest, middle and highest turning point (m,) of monic quartics, or one thrice."""
+    """Return the lowest, middle and highest turning point (m,) of monic quartics (4, m).
+
+    All three are the same where a quartic has one turning point.
+    """
     third, second, first, _ = monic
     centre = -0.25 * third
     p = 0.5 * second - 3.0 * centre * centre
@@ -163,7 +172,7 @@ class _Outermost(NamedTuple):
 
 
 def _highest_roots(minimum: np.ndarray, monic: np.ndarray) -> _Outermost:
-    """Return the roots of monic quartics above their highest ``minimum`` (m,).
+    """Return the roots of monic quartics (4, m) above their highest ``minimum`` (m,).
 
     Newton's method. The start is the root of the parabola through the minimum, but not below the
     inflection, so that it lies where the quartic is convex: then the first step overshoots at most,
@@ -190,7 +199,10 @@ def _highest_roots(minimum: np.ndarray, monic: np.ndarray) -> _Outermost:
 
 
 def _largest_isolated_roots(polynomials: np.ndarray) -> np.ndarray:
-    """Return the real root of largest magnitude (m,) of polynomials, by way of all real roots."""
+    """Return the real root of largest magnitude (m,) of polynomials, by way of all real roots.
+
+    It is NaN if there is none, or only roots that may be rounding (`NEGLIGIBLE_ROOT`).
+    """
     roots, bound = _all_real_roots(polynomials)
     sizes = np.where(np.abs(roots) > NEGLIGIBLE_ROOT * bound[:, None], np.abs(roots), -np.inf)
     largest = np.take_along_axis(roots, sizes.argmax(axis=1)[:, None], axis=1)[:, 0]
@@ -198,10 +210,10 @@ def _largest_isolated_roots(polynomials: np.ndarray) -> np.ndarray:
 
 
 def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return real roots (m, j), NaN if there are fewer than j, and their bounds (m,).
+    """Return the real roots (m, j) of polynomials (m, degree + 1), and a bound (m,) of their sizes.
 
-    Between two neighbouring roots of the derivative, which are found in the same way, a polynomial
-    has at most one root.
+    Places without a root are NaN, and roots are not in order. Between two neighbouring roots of the
+    derivative, which are found by a call of this function, a polynomial has at most one root.
     """
     degree = polynomials.shape[1] - 1
     powers = 1.0 / np.arange(1, degree + 1)
@@ -229,7 +241,9 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _bracketed_roots(
     polynomials: np.ndarray, derivatives: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
-    """Return the root of each polynomial (columns) between two ends of opposite signs.
+    """Return the root (m,) of each polynomial between ``low`` and ``high`` (m,).
+
+    ``polynomials`` (degree + 1, m) have opposite signs there; ``derivatives`` are theirs.
 
     Newton's method within a bracket: the bracket is halved instead where a step leaves it, or is
     not shorter than half of the last one, so that it ends also where the slope vanishes.
@@ -270,10 +284,10 @@ def _bracketed_roots(
 class IndifferenceInterval(NamedTuple):
     """Range about the base value in which a change of the parameter is not significant."""
 
-    length: float  # NaN if the quartic has no real root
-    root: float  # the closest one, in the parameter's unit
+    length: float  # distance of the root from the base; NaN if the quartic has no real root
+    root: float  # the closest one to the base, in the parameter's unit; NaN like the length
     extrapolated: bool  # whether the root lies outside the sampled levels
-    negative_deviation: bool  # of the fitted quadratic, at the root
+    negative_deviation: bool  # whether the fitted deviation is below 0 at the root
     critical_value: float  # t with 2 n - 2 degrees of freedom
 
 
@@ -303,6 +317,8 @@ def indifference_interval(
     Returns
     -------
     IndifferenceInterval
+        The length of the interval and its end, in the unit of the levels. Both are NaN if no change
+        is significant.
 
     Raises
     ------
@@ -340,13 +356,17 @@ def indifference_lengths(
     significance: float = 0.05,
     base: float | None = None,
 ) -> np.ndarray:
-    """Compute the lengths of many indifference intervals at once, as `indifference_interval`."""
+    """Compute the lengths (...) of many indifference intervals at once; NaN where there is no root.
+
+    ``means`` and ``deviations`` are (..., k) at ``levels`` (k,). Other arguments and errors are as
+    for `indifference_interval`.
+    """
     response = ResponseMoments(levels, means, deviations, base)
     return lengths_of_responses([response], samples, significance)[0]
 
 
 class ResponseMoments(NamedTuple):
-    """Means and standard deviations of one parameter's responses."""
+    """Means and standard deviations of a response at the levels of one parameter."""
 
     levels: ArrayLike  # (k,)
     means: Any  # (..., k); converted and checked where lengths are computed
@@ -357,7 +377,10 @@ class ResponseMoments(NamedTuple):
 def lengths_of_responses(
     responses: Sequence[ResponseMoments], samples: int, significance: float = 0.05
 ) -> list[np.ndarray]:
-    """Compute `indifference_lengths` of several parameters; all roots are solved at once."""
+    """Compute the `indifference_lengths` of several parameters, an array (...) for each.
+
+    The roots of all parameters are solved at once, which takes less time.
+    """
     half_ranges = []
     shapes = []
     varying = []
@@ -393,9 +416,11 @@ def _solve(
     significance: float,
     base: float,
 ) -> tuple[Quadratic, Quadratic, float, np.ndarray]:
-    """Fit quadratics to means and deviations (m, k) and solve Eq. (29).
+    """Fit quadratics to means and deviations (m, k) at levels (k,), and solve Eq. (29).
 
-    Return both quadratics, the critical value, and the closest roots (m,) in u.
+    Return the quadratics of means and of deviations, the critical value of the t test, and the
+    roots (m,) closest to the base, in u. A root is NaN if there is none, or if the means do not
+    vary.
     """
     mean, deviation, critical, varies, quartics = _quartics(
         levels, means, deviations, samples, significance, base
@@ -419,10 +444,11 @@ def _quartics(
     significance: float,
     base: float,
 ) -> tuple[Quadratic, Quadratic, float, np.ndarray, np.ndarray]:
-    """Fit quadratics to means and deviations (m, k) and make the quartics of Eq. (29).
+    """Fit quadratics to means and deviations (m, k), and make the quartics of Eq. (29) in u.
 
-    Return both quadratics, the critical value, which means vary with the parameter (m,), and the
-    quartics of these (n, 5), highest power first.
+    Return the quadratics of means and of deviations, the critical value of the t test, whether the
+    means vary with the parameter (m,), and the quartics (n, 5) of the n that vary, highest power
+    first.
     """
     mean, deviation = (
         fit_quadratic(levels, values.reshape(-1, levels.size), base)
@@ -434,7 +460,12 @@ def _quartics(
 
 
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
-    """Return the coefficients (5, ...) of Eq. (29) in u, highest power first."""
+    """Return the coefficients (5, ...) of Eq. (29) in u, highest power first.
+
+    ``mean`` and ``deviation`` are the fitted quadratics (...), ``samples`` the number n of
+    surfaces, ``critical`` the critical value of the t test. The coefficients are scaled by the
+    largest of the quadratics', which does not change the roots.
+    """
     n = float(samples)
     t2 = critical * critical
     sizes = np.abs([*mean[:2], *deviation[:3]]).max(axis=0)
@@ -447,9 +478,11 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
 
 
 def closest_roots(quartics: np.ndarray) -> np.ndarray:
-    """Return the real roots (m,) closest to 0 of quartics (m, 5), NaN if there is none.
+    """Return the real roots (m,) closest to 0 of quartics (m, 5), highest power first.
 
-    A quartic is positive where a change is significant. Its constant is 0 without scatter at 0.
+    A quartic is positive where a change is significant, so that the root is where changes begin to
+    be significant: NaN if none is, and 0 if any change is. The constant of a quartic is 0 if there
+    is no scatter at the base, and negative otherwise.
     """
     usual = quartics[:, 4] < 0.0
     roots = np.full(usual.size, np.nan)
@@ -460,10 +493,10 @@ def closest_roots(quartics: np.ndarray) -> np.ndarray:
 
 
 def _closest_quadratic_roots(quadratics: np.ndarray) -> np.ndarray:
-    """Return `closest_roots` (m,) where there is no scatter at 0, from coefficients (m, 3).
+    """Return the `closest_roots` (m,) of quartics without scatter at the base.
 
-    The quartic then has a double root at 0; the coefficients are those of the quadratic that is
-    left when it is divided by u^2, highest power first.
+    Such a quartic has a double root at 0. ``quadratics`` (m, 3) are what is left when it is divided
+    by u^2, highest power first.
     """
     second, first, constant = quadratics.T
     lowest = np.where(constant != 0.0, constant, np.where(first != 0.0, first, second))
@@ -475,7 +508,7 @@ def _closest_quadratic_roots(quadratics: np.ndarray) -> np.ndarray:
 
 
 def check_significance(significance: float) -> None:
-    """Raise `InputError` unless a significance level lies between `LEAST_SIGNIFICANCE` and 1."""
+    """Raise `InputError` unless a significance level is from `LEAST_SIGNIFICANCE` to below 1."""
     check_number("significance", significance)
     if not LEAST_SIGNIFICANCE <= significance < 1.0:
         raise InputError(
@@ -493,10 +526,10 @@ def checked_levels(
     base: float | None,
     many: bool = False,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Return levels, means and deviations as arrays, and the base.
+    """Return levels (k,), means and deviations (k,) as arrays, and the base, by default the middle.
 
-    Raise `InputError` if one of them is not allowed. With ``many`` means and deviations may be
-    (..., k).
+    Raise `InputError` if one of them, the number of samples or the significance is not allowed
+    (`indifference_interval`). With ``many`` means and deviations may be (..., k).
     """
     levels = real_array("levels", levels)
     means = real_array("means", means)
@@ -531,18 +564,19 @@ def checked_levels(
 
 
 class DifferenceScatter(NamedTuple):
-    """Variances on single surfaces: V of the slope, and sigma^2 of the irregular part."""
+    """Variances (...) of responses on single surfaces: V of slopes, sigma^2 of irregular parts."""
 
     slope: np.ndarray
     irregular: np.ndarray
 
 
 class PairedInterval(NamedTuple):
-    """As `IndifferenceInterval`, of a paired test with n - 1 degrees of freedom.
+    """Range about the base value in which a change is not significant in a paired test.
 
-    No deviation is fitted. The root is the base if the length is 0.
-
-    ``linear_length``: without the curvature of the mean, infinite if the slope is not significant.
+    ``length``, ``root`` and ``extrapolated`` are as for `IndifferenceInterval`; the root is the
+    base if the length is 0. ``linear_length`` is the length without the curvature of the mean,
+    infinite if the slope of the mean is not significant. ``critical_value`` is t with n - 1 degrees
+    of freedom.
     """
 
     length: float
@@ -559,10 +593,12 @@ def paired_indifference_interval(
     base: float | None = None,
     surfaces: int | None = None,
 ) -> PairedInterval:
-    """Compute the smallest significant change in a paired t test on the same surfaces.
+    """Compute the smallest change of a parameter that is significant in a paired t test.
 
-    ``samples`` (k, n) are the responses at levels (k,), ``base`` is by default the middle level.
-    ``surfaces`` is the number of surfaces of the test, by default n.
+    ``samples`` (k, n) are the responses of the same n surfaces at ``levels`` (k,), ascending, from
+    which the model of the module is estimated. The ``base`` is one of the levels, by default the
+    middle one. ``surfaces`` is the number of surfaces of the test, by default n. Arguments are not
+    checked.
     """
     base = float(levels[levels.size // 2]) if base is None else base
     n = samples.shape[1] if surfaces is None else surfaces
@@ -584,10 +620,11 @@ def paired_indifference_interval(
 def _solve_pairs(
     levels: np.ndarray, samples: np.ndarray, n: int, significance: float, base: float
 ) -> tuple[Quadratic, DifferenceScatter, float, np.ndarray]:
-    """Fit the paired model to samples (m, k, n) and solve its quartics.
+    """Fit the paired model to samples (m, k, surfaces) and solve its quartics.
 
-    Return quadratics of the means, scatters of the differences, the critical value, and the closest
-    roots (m,) in u.
+    ``n`` is the number of surfaces of the test. Return the quadratics of the means, the scatters of
+    the differences, the critical value of the t test, and the roots (m,) closest to the base, in u:
+    NaN if there is none, or if the means do not vary.
     """
     mean = fit_quadratic(levels, samples.mean(axis=-1), base)
     scatter = difference_scatter(levels, samples, base)
@@ -612,12 +649,13 @@ def _solve_pairs(
 
 
 def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> DifferenceScatter:
-    """Estimate the scatter of differences from the base, from responses (..., k, n) of surfaces.
+    """Estimate the variances V and sigma^2 (...) of responses (..., k, n) of the same n surfaces.
 
-    Level means are removed; each surface's deviations from them are fitted by a line. Residuals
-    give sigma^2, with (n - 1)(k - 2) degrees of freedom, and the variance of the slopes, less what
-    sigma^2 alone gives them, gives V. If V is negative, the surfaces show no different responses:
-    the deviations are fitted by constants, and V is 0.
+    They are those of the paired model (see the module). The mean of each of the k ``levels`` is
+    removed, and the deviations of each surface are fitted by a line in u. The residuals give
+    sigma^2, with (n - 1)(k - 2) degrees of freedom. The variance of the slopes, less what sigma^2
+    alone contributes to it, is V. Where V would be negative, the surfaces do not differ in their
+    response: the deviations are then fitted by constants instead, and V is 0.
     """
     levels = np.asarray(levels, dtype=float)
     samples = np.asarray(samples, dtype=float)
@@ -639,7 +677,11 @@ def difference_scatter(levels: ArrayLike, samples: ArrayLike, base: float) -> Di
 
 
 def p_of_difference(first: np.ndarray, second: np.ndarray, paired: bool) -> float:
-    """Return the two-sided p of the t test that samples (n,) at two levels have the same mean."""
+    """Return the two-sided p value of a t test of two samples (n,) for the same mean.
+
+    If ``paired``, both are of the same surfaces in the same order. Without any scatter p is 1 for
+    equal samples, else 0.
+    """
     n = first.size
     change = second - first
     if paired:
@@ -654,10 +696,11 @@ def p_of_difference(first: np.ndarray, second: np.ndarray, paired: bool) -> floa
 
 
 class BootstrapInterval(NamedTuple):
-    """Percentile interval of a length, which is infinite without a root.
+    """Percentile interval of an indifference length over resamples.
 
-    ``standard_error`` is half the central 68.3 % range, which single long lengths do not affect; it
-    is infinite if this range is not bounded.
+    A resample without a root has an infinite length. ``standard_error`` is half of the central
+    68.3 % range, which single long lengths do not affect; it is infinite if this range is not
+    bounded.
     """
 
     low: float
@@ -677,7 +720,11 @@ def bootstrap_length(
     significance: float = 0.05,
     paired: bool = False,
 ) -> BootstrapInterval:
-    """Compute the percentile bootstrap interval of a length from samples (k, n) at levels (k,)."""
+    """Compute the bootstrap interval of an indifference length, by percentiles.
+
+    ``samples`` (k, n) are the responses of n surfaces at ``levels`` (k,), one of which is the
+    ``base``. If ``paired``, the surfaces are the same at all levels, and are resampled together.
+    """
     drawn = resampled(samples, random, resamples, paired)
     chosen = np.array(list(drawn))
     if paired:
@@ -690,7 +737,10 @@ def bootstrap_length(
 
 
 def interval_of_lengths(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
-    """Return the percentile interval of lengths (resamples,); NaN, no root, counts as infinite."""
+    """Return the percentile interval of the lengths (resamples,) of resampled studies.
+
+    NaN, which is a length without a root, counts as infinite.
+    """
     lengths = np.where(np.isnan(lengths), np.inf, lengths)
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")

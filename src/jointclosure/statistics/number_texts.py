@@ -7,11 +7,15 @@ import numpy as np
 
 ABSENT = "–"  # in a table, in place of a number
 _MOST_POWERS = 4
-"""Powers of ten that numbers with as many decimals each may span."""
+"""Largest number of powers of ten that numbers with equal decimals may span."""
 
 
 def rounded(value: float, standard_error: float) -> str:
-    """Format a number rounded to its error, such as "0.083 ± 0.004"."""
+    """Format a number rounded to its standard error, such as "0.083 ± 0.004".
+
+    Without a positive and finite error it has four significant digits and no error. NaN is
+    `ABSENT`.
+    """
     if np.isnan(value):
         return ABSENT
     if not np.isfinite(value) or not 0.0 < standard_error < np.inf:
@@ -24,9 +28,10 @@ def rounded(value: float, standard_error: float) -> str:
 
 
 def _places_of_error(error: float) -> int:
-    """Return the decimals of a number with an error, of which one or two digits are shown.
+    """Return to how many decimals a number with a standard ``error`` is rounded.
 
-    There are two if they are below 36 (rule of the Particle Data Group).
+    The error keeps two digits if they are below 36, else one (rule of the Particle Data Group). The
+    result is negative for errors of 36 and more.
     """
     exponent = int(f"{error:.2e}".partition("e")[2])
     leading = round(error / 10.0**exponent, 2)
@@ -34,7 +39,7 @@ def _places_of_error(error: float) -> int:
 
 
 def significant(value: float, figures: int) -> str:
-    """Format a number with the given number of significant digits, without an exponent."""
+    """Format a finite number with ``figures`` significant digits, without an exponent."""
     if value == 0.0:
         return "0"
     rounded = float(f"{value:.{figures - 1}e}")
@@ -43,7 +48,10 @@ def significant(value: float, figures: int) -> str:
 
 
 def number_text(value: float, figures: int = 4) -> str:
-    """Format a number with significant digits for reading; `ABSENT` if it is missing."""
+    """Format a number for reading, with ``figures`` significant digits.
+
+    It has an exponent unless it is 0 or from 1e-3 to 1e6. NaN is `ABSENT`.
+    """
     if math.isnan(value):
         return ABSENT
     if math.isinf(value):
@@ -54,13 +62,13 @@ def number_text(value: float, figures: int = 4) -> str:
 
 
 def with_equal_decimals(values: Sequence[float], figures: int = 2) -> list[str]:
-    """Format a number and the ends of its range with as many decimals each.
+    """Format a number and the ends of its range with the same number of decimals.
 
-    The first of them has the given number of significant digits, unless the range contains 0.
-    There are more decimals if the width of the range needs them, as an error does (`rounded`), and
-    if an end within two powers of ten would read as 0. Numbers of which none is between 1e-3 and
-    1e6 are written with exponents. Positive numbers over more than `_MOST_POWERS` powers of ten
-    have significant digits of their own each.
+    The first number has ``figures`` significant digits, unless the range contains 0. There are more
+    decimals if the width of the range needs them, as an error does (`rounded`), or if an end of at
+    least a hundredth of the first number would read as 0. If the largest in magnitude is not from
+    1e-3 to 1e6, or if positive numbers span more than `_MOST_POWERS` powers of ten, each is written
+    for itself (`number_text`).
 
     >>> with_equal_decimals([0.0974, 0.0908, 0.0996])
     ['0.097', '0.091', '0.100']
@@ -86,19 +94,19 @@ def with_equal_decimals(values: Sequence[float], figures: int = 2) -> list[str]:
 
 
 def _power(value: float, figures: int) -> int:
-    """Return the power of ten of the first digit of a number with significant digits."""
+    """Return the power of ten of the first digit of a number rounded to ``figures`` digits."""
     return int(f"{abs(value):.{figures - 1}e}".partition("e")[2])
 
 
 def _with_places(value: float, places: int) -> str:
-    """Format a number with a number of decimals; negative ones are rounded to powers of ten."""
+    """Format a number with ``places`` decimals; if negative, it is rounded to a power of ten."""
     if not math.isfinite(value):
         return number_text(value)
     return f"{round(value, places) + 0.0:.{max(places, 0)}f}"
 
 
 LEAST_SHARE = 1e-6
-"""Share below which `percent` does not state its size."""
+"""Share below which `percent` says only that it is less."""
 
 
 def percent(share: float) -> str:
@@ -113,7 +121,7 @@ def percent(share: float) -> str:
 
 
 def percent_number(value: float) -> str:
-    """Format a number of percent as `percent`, without the sign of percent."""
+    """Format a number that is in percent already like `percent`, but without the sign "%"."""
     if not math.isfinite(value):
         return number_text(value)
     if abs(value) >= 9.95:

@@ -15,7 +15,8 @@ from jointclosure.statistics.standard_errors import Estimate, mean_covariance
 class Quadratic(NamedTuple):
     """Quadratic value(p) = b u^2 + c u + d in u = (p - base)/half_range.
 
-    In u the coefficients have the unit of the value, and are of about its size.
+    In u the coefficients b, c and d, numbers or arrays, have the unit of the value. ``half_range``
+    is half of the range of the levels to which it was fitted.
     """
 
     b: Any  # float or array, like c and d
@@ -25,16 +26,19 @@ class Quadratic(NamedTuple):
     half_range: float
 
     def at(self, parameter: float | np.ndarray) -> Any:
-        """Return the fitted value at a parameter (or an array of them)."""
+        """Return the value of the quadratic at a parameter, or at an array of parameters."""
         u = (np.asarray(parameter) - self.base) / self.half_range
         return (self.b * u + self.c) * u + self.d
 
     def elasticity(self) -> Any:
-        """Return d ln(value)/d ln(parameter) at the base."""
+        """Return the elasticity d ln(value)/d ln(parameter) of the quadratic at the base."""
         return self.c / self.d * self.base / self.half_range
 
     def relative_change(self, change: float) -> Any:
-        """Return the relative change of the value at the base with a change of the parameter."""
+        """Return the relative change of the value [1] if the parameter changes from its base.
+
+        ``change`` is in the unit of the parameter.
+        """
         return self.at(self.base + change) / self.d - 1.0
 
     def in_parameter(self) -> tuple[float, float, float]:
@@ -46,11 +50,13 @@ class Quadratic(NamedTuple):
 
 
 def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadratic:
-    """Fit the quadratic to values (..., k) at levels (k,): through three, by least squares to more.
+    """Fit a quadratic to values (..., k) at levels (k,), ascending, of which one is the base.
 
-    One level is the base. The fit uses differences from the base value, to keep all digits of a
-    response that is small compared with its mean. A coefficient b or c that may result from
-    rounding of levels and values is set to 0, so that a straight line stays straight.
+    It leads through three values, and is fitted by least squares to more. The fit uses differences
+    from the value at the base, to keep all digits of a response that is small compared with its
+    mean. A coefficient b or c that may result from rounding of levels and values is set to 0, so
+    that a straight line stays straight. The coefficients are arrays (...), or numbers for values
+    (k,).
     """
     levels = np.asarray(levels, dtype=float)
     values = np.asarray(values, dtype=float)
@@ -87,10 +93,10 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
 def lack_of_fit(
     levels: np.ndarray, means: Any, deviations: Any, samples: int, quadratic: Quadratic
 ) -> float:
-    """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels.
+    """Return the p value of the hypothesis that a fitted quadratic holds, by an F test.
 
-    Means and standard deviations (k,) are of so many ``samples`` at each level. NaN if the test is
-    not possible.
+    ``means`` and standard ``deviations`` (k,) are of ``samples`` realisations at each of the levels
+    (k,), different ones at each. NaN for three levels, or if nothing scatters.
     """
     freedom = len(levels) - 3
     scatter = float(np.mean(np.square(deviations)))
@@ -101,10 +107,12 @@ def lack_of_fit(
 
 
 def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
-    """Return the p value that a quadratic fits the means of samples (k, n) on the same n surfaces.
+    """Return the p value of the hypothesis that a quadratic holds for the mean over surfaces.
 
+    ``samples`` (k, n) are the responses of the same n surfaces at levels (k,). The test is that of
     Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic. They are
-    computed on each surface, so that contributions equal at all levels cancel.
+    computed on each surface, so that contributions equal at all levels cancel. NaN for three
+    levels, for too few surfaces, or if the contrasts are dependent.
     """
     k, n = samples.shape
     count = k - 3
@@ -121,16 +129,16 @@ def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
 
 
 class QuadraticErrors(NamedTuple):
-    """Standard errors (3,) of the coefficients of Eqs. (24), (26); covariance (3, 3) of b, c, d."""
+    """Errors of the coefficients of a fitted quadratic, in the parameter and in u."""
 
-    in_parameter: np.ndarray
-    covariance: np.ndarray  # of `Quadratic`, in u
+    in_parameter: np.ndarray  # standard errors (3,) of b, c and d of Eqs. (24) and (26)
+    covariance: np.ndarray  # (3, 3) of the errors of b, c and d of `Quadratic`
 
 
 def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) -> QuadraticErrors:
-    """Compute the errors of the coefficients of `fit_quadratic`.
+    """Compute the errors of the coefficients that `fit_quadratic` returns.
 
-    ``covariance`` (k, k) is that of the values at the levels (k,).
+    ``covariance`` (k, k) is that of the errors of the values at the levels (k,).
     """
     levels = np.asarray(levels, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
@@ -144,16 +152,21 @@ def quadratic_errors(levels: np.ndarray, covariance: np.ndarray, base: float) ->
 
 
 def elasticity(levels: np.ndarray, samples: np.ndarray, base: float, paired: bool) -> Estimate:
-    """Compute d ln(mean)/d ln(parameter) at the base from samples (k, n) at levels (k,)."""
+    """Compute the elasticity d ln(mean)/d ln(parameter) at the base, with its standard error.
+
+    ``samples`` (k, n) are the responses of n surfaces at levels (k,), the same at all levels if
+    ``paired``. The form and the cases are those of `elasticity_of`.
+    """
     samples = np.asarray(samples, dtype=float)
     return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
 
 
 def elasticity_by_form(levels: np.ndarray, means: np.ndarray, base: float) -> tuple[float, float]:
-    """Return d ln(mean)/d ln(parameter) at the base from means (k,) at levels (k,), by two forms.
+    """Return the elasticity d ln(mean)/d ln(parameter) at the base by two forms of the response.
 
-    The first is the slope of the quadratic through the logarithms, the second that of Eq. (24), a
-    quadratic in the parameter. Both are that of Eq. (24) if a level is not positive.
+    ``means`` (k,) at levels (k,) must be positive. The first form is a quadratic of the logarithms,
+    the second is Eq. (24), a quadratic in the parameter. If a level is not positive, both results
+    are by Eq. (24).
     """
     levels = np.asarray(levels, dtype=float)
     in_parameter = float(fit_quadratic(levels, means, base).elasticity())
@@ -163,10 +176,10 @@ def elasticity_by_form(levels: np.ndarray, means: np.ndarray, base: float) -> tu
 
 
 def elasticity_contributions(levels: np.ndarray, samples: np.ndarray, base: float) -> np.ndarray:
-    """Return the contributions (k, n) of samples (k, n) at levels (k,) to an elasticity.
+    """Return the contributions (k, n) of single samples (k, n) at levels (k,) to an elasticity.
 
-    The elasticity is that of logarithms. To first order its error is that of the sum, over the
-    levels, of the means of these contributions.
+    The elasticity is that of the quadratic of the logarithms; levels must be positive. To first
+    order its error is that of the sum, over the levels, of the means of these contributions.
     """
     samples = np.asarray(samples, dtype=float)
     weights = _slope_of_logs(np.asarray(levels, dtype=float), np.eye(len(levels)), base)
@@ -174,7 +187,7 @@ def elasticity_contributions(levels: np.ndarray, samples: np.ndarray, base: floa
 
 
 def _slope_of_logs(levels: np.ndarray, values: np.ndarray, base: float) -> Any:
-    """Return the slope at the base of the quadratic of values (..., k) in ln(levels)."""
+    """Return the slope (...) at the base of the quadratic of values (..., k) in ln(levels)."""
     logs = np.log(levels)
     fit = fit_quadratic(logs, values, logs[levels == base].item())
     return fit.c / fit.half_range
@@ -183,14 +196,15 @@ def _slope_of_logs(levels: np.ndarray, values: np.ndarray, base: float) -> Any:
 def elasticity_of(
     levels: np.ndarray, means: np.ndarray, covariance: np.ndarray, base: float
 ) -> Estimate:
-    """Compute the `elasticity` from means (k,) at levels (k,) and their covariance (k, k).
+    """Compute the elasticity d ln(mean)/d ln(parameter) at the base, with its standard error.
 
-    It is the slope of the quadratic through the logarithms, which is exact for a power law, however
+    ``means`` (k,) are at levels (k,), ``covariance`` (k, k) is that of their errors. The elasticity
+    is the slope of the quadratic through the logarithms, which is exact for a power law, however
     far apart the levels are. The slope of Eq. (24), a quadratic in the parameter, is 12 % too steep
     for an inverse proportion and levels of 0.68 and 1.36 times the base. Which form is right cannot
     be known from three levels, so that the standard error contains the difference of both slopes
     besides the error of the sample. If a level is not positive, the slope is that of Eq. (24), with
-    the error of the sample alone. NaN if a mean is not positive.
+    the error of the sample alone. Both are NaN if a mean is not positive.
     """
     levels = np.asarray(levels, dtype=float)
     means = np.asarray(means, dtype=float)
@@ -213,10 +227,11 @@ def elasticity_of(
 def smoothed_by_all_levels(
     levels: np.ndarray, means: np.ndarray, base: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lowest, the middle and the highest of levels (k,), and the means (..., 3) there.
+    """Reduce the means (..., k) at levels (k,) to three levels, smoothed by all of them.
 
-    The means are those of the quadratic, Eq. (24), that is fitted to the means (..., k) of all
-    levels, so that more levels make them more certain. With three levels they are not changed.
+    Return the lowest, the middle and the highest level, and the means (..., 3) there by the
+    quadratic of Eq. (24) that is fitted to all levels, so that more levels make the means more
+    certain. Three levels are returned with their means as they are.
     """
     three = levels[[0, levels.size // 2, -1]]
     if levels.size == 3:

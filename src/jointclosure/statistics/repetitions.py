@@ -29,10 +29,10 @@ from jointclosure.statistics.indifference import (
 from jointclosure.statistics.standard_errors import jackknife_error
 
 RESAMPLED_POOLS = 40
-"""Number of resampled pools; the relative error of a probability's error is then a ninth."""
+"""Number of resampled pools: the error of a probability is then known to a ninth of it."""
 _FEWEST_REPETITIONS = 100  # from each resampled pool
 TAIL_SHARE = 0.01
-"""Share of the density that is a Student t (3 degrees of freedom): no value is impossible."""
+"""Weight of a Student's t (3 degrees of freedom) in a density, so that no value is impossible."""
 
 BLOCK = 16384
 """Numbers that are computed at once: few enough to stay in the cache of a processor."""
@@ -43,9 +43,10 @@ Key = TypeVar("Key", bound=tuple[str, ...] | str)
 
 
 class Pool(NamedTuple):
-    """Results (targets, N) on the surfaces of one case; pools of one name are resampled together.
+    """Results (targets, N) on the N simulated surfaces of one case.
 
-    Pools with the same name of their surfaces have the same surfaces in the same order.
+    ``surfaces`` is the name of the surfaces. Pools with the same name have the same surfaces in the
+    same order, and are resampled together.
     """
 
     values: np.ndarray
@@ -53,7 +54,10 @@ class Pool(NamedTuple):
 
 
 class Sensitivity(NamedTuple):
-    """One parameter of one rock: ascending levels (k,), one of them the base, and their pools."""
+    """Levels of one parameter of one rock, and the pool of each level.
+
+    The ``levels`` (k,) ascend, and one of them is the ``base``.
+    """
 
     levels: np.ndarray
     base: float
@@ -61,9 +65,10 @@ class Sensitivity(NamedTuple):
 
 
 class Design(NamedTuple):
-    """Design of a published study: n surfaces per level, and the significance of its t test.
+    """Design of a published study: number of surfaces drawn per level, significance of its t test.
 
-    The parameters of a rock share the surfaces drawn at the base level; the paper does not say.
+    The parameters of a rock are assumed to share the surfaces that are drawn at the base level; the
+    paper does not say.
     """
 
     draws: int = 20
@@ -77,13 +82,13 @@ class Design(NamedTuple):
 
 
 class DrawnResponse(NamedTuple):
-    """Results for one parameter in R repetitions of a study; no root: an infinite length."""
+    """Results for one parameter in R repetitions of a study."""
 
-    levels: np.ndarray
+    levels: np.ndarray  # (k,)
     base: float
     means: np.ndarray  # (R, targets, k)
-    deviations: np.ndarray
-    lengths: np.ndarray  # (R, targets)
+    deviations: np.ndarray  # (R, targets, k)
+    lengths: np.ndarray  # (R, targets), of indifference intervals; infinite without a root
 
 
 def draw_studies(
@@ -92,9 +97,10 @@ def draw_studies(
     repetitions: int,
     random: np.random.Generator,
 ) -> dict[Key, DrawnResponse]:
-    """Draw repetitions of a study with independent draws at every level.
+    """Draw ``repetitions`` of a study from pools, and compute the lengths of their intervals.
 
-    Parameters whose base pools have one name share the surfaces that are drawn at the base.
+    The draws are independent at every level, but parameters whose base pools have one name share
+    the surfaces that are drawn at the base. The result is by parameter, as ``sensitivities``.
     """
     resampled: dict[str, np.ndarray] = {}
     at_base: dict[str, np.ndarray] = {}
@@ -137,7 +143,7 @@ def draw_studies(
 
 
 def parameters_without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
-    """Return the parameters without any effect: every level draws from the base pool."""
+    """Return ``sensitivities`` of parameters without any effect: all levels have the base pool."""
     return {
         key: Sensitivity(levels, base, (pools[list(levels).index(base)],) * len(pools))
         for key, (levels, base, pools) in sensitivities.items()
@@ -147,7 +153,10 @@ def parameters_without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[
 def resampled_pools(
     sensitivities: Mapping[Key, Sensitivity], random: np.random.Generator, pools: int
 ) -> Iterator[dict[Key, Sensitivity]]:
-    """Generate bootstrap samples of pools."""
+    """Generate ``pools`` copies of ``sensitivities`` whose pools are bootstrap samples.
+
+    Each has as many surfaces as the pool. Pools of one name have the same resampled surfaces.
+    """
     each = [pool for sensitivity in sensitivities.values() for pool in sensitivity.pools]
     sizes = {pool.surfaces: pool.values.shape[1] for pool in each}
     for _ in range(pools):
@@ -161,17 +170,17 @@ def resampled_pools(
 
 
 def repetitions_of_pool(repetitions: int) -> int:
-    """Return the number of repetitions drawn from each resampled pool."""
+    """Return how many repetitions are drawn from each resampled pool, for so many in total."""
     return max(repetitions // 8, _FEWEST_REPETITIONS)
 
 
 def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
-    """Return standard errors (...) of shares of repetitions due to the surfaces of the pool.
+    """Return the standard errors (...) of shares of repetitions that the surfaces of a pool cause.
 
-    ``shares`` (pools, ...) are those in so many ``repetitions`` from each resampled pool. Their
-    variance contains that of the repetitions, which is subtracted. With ``again`` (pools,), shares
-    in other repetitions from the same pools, it is the root of the covariance of both. NaN where at
-    most half of the shares are known.
+    ``shares`` (pools, ...) are those in ``repetitions`` from each resampled pool, NaN if unknown.
+    Their variance contains the variance of the repetitions, which is subtracted. With ``again``
+    (pools,), the shares (pools,) in other repetitions from the same pools, the error is the root of
+    the covariance of both instead. It is NaN where at most half of the shares are known.
     """
     if len(again):
         both = np.array([shares, again], dtype=float)
@@ -188,7 +197,11 @@ def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
 
 
 def _moments(pool: Pool, resampled: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return means and deviations (R, targets) of draws (R, n) from resampled pools (R, N)."""
+    """Return the means and standard deviations (R, targets) of draws from a pool of N surfaces.
+
+    ``resampled`` (R, N) are the surfaces of the resampled pool of each repetition, ``index`` (R, n)
+    the places in it that are drawn.
+    """
     chosen = np.take_along_axis(resampled, index, axis=1)
     size = pool.values.shape[1]
     centre = pool.values.mean(axis=1, keepdims=True)
@@ -199,11 +212,13 @@ def _moments(pool: Pool, resampled: np.ndarray, index: np.ndarray) -> tuple[np.n
 
 
 class LengthDistribution(NamedTuple):
-    """Median and ranges of lengths, and shares of repetitions with a length of infinity or of 0.
+    """Distribution of the length of an indifference interval over repetitions of a study.
 
-    A length is infinite without a root. It is 0 if the closures drawn at the base do not scatter,
-    as where they are all of the same surface. A range leaves out the same probability at both ends.
-    One that ends at infinity covers more than its nominal probability.
+    It is the median, the ends of the ranges of 90 % and 95 %, and the shares of repetitions with an
+    infinite length, which have no root, and with a length of 0. A length is 0 if the closures drawn
+    at the base do not scatter, as where they are all of the same surface. A range leaves out the
+    same probability at both ends. A range that ends at infinity covers more than its nominal
+    probability.
     """
 
     median: float
@@ -216,7 +231,7 @@ class LengthDistribution(NamedTuple):
 
 
 def length_distribution(lengths: np.ndarray) -> LengthDistribution:
-    """Summarise the lengths (R,) of repeated studies, infinite without a root."""
+    """Return the distribution of the lengths (R,) of R repetitions, infinite without a root."""
     middle = np.quantile(lengths, 0.5, method="inverted_cdf")
     low = np.quantile(lengths, [0.05, 0.025], method="lower")
     high = np.quantile(lengths, [0.95, 0.975], method="higher")
@@ -227,7 +242,10 @@ def length_distribution(lengths: np.ndarray) -> LengthDistribution:
 
 
 def two_sided_p(lengths: np.ndarray, observed: float) -> float:
-    """Compute the two-sided mid-p value of a published length among lengths (R,); NaN is a dash."""
+    """Compute the two-sided mid-p value of a published length among those of repetitions (R,).
+
+    An ``observed`` NaN is a dash in the published table, an infinite length.
+    """
     observed = np.inf if np.isnan(observed) else observed
     shorter = np.count_nonzero(lengths < observed)
     equal = np.count_nonzero(lengths == observed)
@@ -236,13 +254,19 @@ def two_sided_p(lengths: np.ndarray, observed: float) -> float:
 
 
 def share_as_short(lengths: np.ndarray, observed: float) -> float:
-    """Return the probability of a length at most as long as the published one; 1 for a dash."""
+    """Return the probability that a repetition has a length of at most the published one.
+
+    ``lengths`` (R,) are those of the repetitions. An ``observed`` NaN, a dash, gives 1.
+    """
     observed = np.inf if np.isnan(observed) else observed
     return float((1 + np.count_nonzero(lengths <= observed)) / (lengths.size + 1))
 
 
 class JointTest(NamedTuple):
-    """Composite log-likelihood of a table, its error from finite repetitions, and its rank."""
+    """Composite log-likelihood of a published table, and its rank among repetitions.
+
+    ``standard_error`` is that of the log-likelihood due to the finite number of repetitions.
+    """
 
     log_likelihood: float
     standard_error: float
@@ -250,7 +274,10 @@ class JointTest(NamedTuple):
 
 
 def joint_test(lengths: np.ndarray, observed: np.ndarray) -> JointTest:
-    """Test a table (entries,) against the lengths (R, entries) of repetitions of a study.
+    """Test whether a published table is one of the repetitions of a study.
+
+    ``observed`` (entries,) are its lengths, NaN for a dash, and ``lengths`` (R, entries) those of
+    the repetitions.
 
     Densities are Gaussian kernel estimates of log(length) (Silverman's bandwidth) with a heavy tail
     of weight `TAIL_SHARE`. For p the repetitions are divided into two halves. Each half, and the
@@ -262,7 +289,10 @@ def joint_test(lengths: np.ndarray, observed: np.ndarray) -> JointTest:
 
 
 def p_of_table(lengths: np.ndarray, observed: np.ndarray) -> float:
-    """Return only the p of `joint_test`."""
+    """Return the p of `joint_test` of a published table, without the log-likelihood.
+
+    Arguments are as for `joint_test`.
+    """
     return crossed_likelihoods(lengths, observed).p()
 
 
@@ -276,11 +306,14 @@ class CrossedLikelihoods(NamedTuple):
     second: np.ndarray
 
     def of(self, entries: list[int]) -> "CrossedLikelihoods":
-        """Return the log-likelihoods of some entries."""
+        """Return the log-likelihoods of some entries of the table, by their indices."""
         return CrossedLikelihoods(self.first[:, entries], self.second[:, entries])
 
     def p(self) -> float:
-        """Return the share of repetitions that are equally or less likely; NaN if unknown."""
+        """Return the share of repetitions that are at most as likely as the published table.
+
+        NaN if a log-likelihood is NaN.
+        """
         if np.isnan(self.first).any() or np.isnan(self.second).any():
             return np.nan
         as_unlikely = repetitions = 0
@@ -292,23 +325,26 @@ class CrossedLikelihoods(NamedTuple):
 
 
 class JackknifedLikelihood(NamedTuple):
-    """Log-likelihoods of the published entries (1, entries), and without one group each."""
+    """Log-likelihoods of the published entries by all repetitions, and without each group."""
 
-    whole: np.ndarray
+    whole: np.ndarray  # (1, entries)
     left_out: np.ndarray  # (GROUPS, entries)
 
     def of(self, entries: list[int]) -> "JackknifedLikelihood":
-        """Return the log-likelihoods of some entries."""
+        """Return the log-likelihoods of some entries of the table, by their indices."""
         return JackknifedLikelihood(self.whole[:, entries], self.left_out[:, entries])
 
     def test(self, crossed: CrossedLikelihoods) -> JointTest:
-        """Return the test of the table of these entries."""
+        """Return the test of a table of these entries, with the p of their ``crossed`` ones."""
         error = jackknife_error(_entry_sums(self.left_out))
         return JointTest(float(_entry_sums(self.whole)[0]), float(error), crossed.p())
 
 
 def crossed_likelihoods(lengths: np.ndarray, observed: np.ndarray) -> CrossedLikelihoods:
-    """Evaluate a table (entries,) and both halves of repetitions (R, entries)."""
+    """Evaluate a published table (entries,) and both halves of the repetitions (R, entries).
+
+    ``observed`` is the table, with NaN for a dash.
+    """
     halves = lengths[::2], lengths[1::2]
     return CrossedLikelihoods(
         *(
@@ -319,7 +355,10 @@ def crossed_likelihoods(lengths: np.ndarray, observed: np.ndarray) -> CrossedLik
 
 
 def jackknifed_likelihood(lengths: np.ndarray, observed: np.ndarray) -> JackknifedLikelihood:
-    """Evaluate a table (entries,) with repetitions (R, entries), all and without one group each."""
+    """Evaluate a published table (entries,) by all repetitions and without each group of them.
+
+    ``lengths`` (R, entries) are those of the repetitions, ``observed`` is the table.
+    """
     group = np.arange(lengths.shape[0]) % GROUPS
     left_out = [entry_log_likelihoods(lengths[group != i], observed[None]) for i in range(GROUPS)]
     return JackknifedLikelihood(
@@ -328,19 +367,26 @@ def jackknifed_likelihood(lengths: np.ndarray, observed: np.ndarray) -> Jackknif
 
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
-    """Return composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
+    """Return the composite log-likelihoods (m,) of tables of lengths (m, entries).
+
+    ``lengths`` (R, entries) are those of the repetitions from which the densities are estimated.
+    """
     return _entry_sums(entry_log_likelihoods(lengths, tables))
 
 
 def _entry_sums(logs: np.ndarray) -> np.ndarray:
-    """Return sums (m,) over entries, in one order of sums, whatever entries were selected."""
+    """Return sums (m,) of log-likelihoods (m, entries), whose rounding is always the same.
+
+    It does not depend on how the entries were selected.
+    """
     return np.ascontiguousarray(logs).sum(axis=1)
 
 
 def entry_log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
-    """Return log-likelihoods (m, entries) of tables (m, entries) under lengths (R, entries).
+    """Return the log-likelihood of each entry (m, entries) of tables of lengths (m, entries).
 
-    They are NaN for an entry with a length of 0, a closure without any scatter.
+    ``lengths`` (R, entries) are those of the repetitions from which the densities are estimated.
+    All of an entry is NaN if a length of it is 0, which is of closures without any scatter.
     """
     logs = np.full(tables.shape, np.nan)
     for i, (drawn, published) in enumerate(zip(lengths.T, tables.T, strict=True)):
@@ -356,7 +402,10 @@ def entry_log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray
 
 
 def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return the log density of log(length) from its draws; 0 if there are too few draws."""
+    """Return the log density of log(length) at some places (m,), estimated from its draws.
+
+    It is 0 if there are fewer than `FEWEST_ROOTS` draws.
+    """
     if draws.size < FEWEST_ROOTS or at.size == 0:
         return np.zeros(at.size)
     quarters = np.quantile(draws, [0.25, 0.5, 0.75])
@@ -374,7 +423,10 @@ def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _mean_kernels(grid: np.ndarray, draws: np.ndarray, width: float) -> np.ndarray:
-    """Return means (m,) over draws of exp(-z^2/2) with z = (grid - draw)/width, in blocks."""
+    """Return the means (m,) over all draws of exp(-z^2/2), with z = (grid - draw)/width.
+
+    ``grid`` is (m,). The computation is in blocks, which stay in the cache of a processor.
+    """
     means = np.empty(grid.size)
     grid = grid / (np.sqrt(2.0) * width)
     draws = draws / (np.sqrt(2.0) * width)

@@ -24,7 +24,7 @@ class Limits(NamedTuple):
 
 
 def mean_of(samples) -> Estimate:
-    """Return the mean of samples (n,) and its standard error S/sqrt(n)."""
+    """Return the mean of samples (n,) and its standard error S/sqrt(n), with S by n - 1."""
     samples = np.asarray(samples, dtype=float)
     return Estimate(float(samples.mean()), float(samples.std(ddof=1) / np.sqrt(samples.size)))
 
@@ -32,26 +32,35 @@ def mean_of(samples) -> Estimate:
 def confidence_limits(
     estimate: tuple[float, float], samples: int, confidence: float = CONFIDENCE
 ) -> Limits:
-    """Return the confidence limits of (value, standard error) from n samples, by Student's t."""
+    """Return the confidence limits of a mean, by Student's t.
+
+    ``estimate`` is its value and standard error from so many ``samples``. NaN for fewer than two.
+    """
     value, error = estimate
     reach = half_width(error, samples, confidence)
     return Limits(value - reach, value + reach)
 
 
 def half_width(standard_error: float, samples: int, confidence: float = CONFIDENCE) -> float:
-    """Return half of the confidence interval of a mean of n samples; NaN for fewer than two."""
+    """Return half of the width of the confidence interval of a mean, by Student's t.
+
+    NaN for fewer than two samples.
+    """
     return float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * standard_error
 
 
 def deviations_of(samples) -> tuple[np.ndarray, np.ndarray]:
-    """Return standard deviations (ddof 1) of rows (..., n), and their errors for normal samples."""
+    """Return the standard deviations (...) of rows of samples (..., n), and their standard errors.
+
+    The deviations are by n - 1, and the errors those of normal samples.
+    """
     samples = np.asarray(samples, dtype=float)
     deviations = samples.std(axis=-1, ddof=1)
     return deviations, deviations / np.sqrt(2.0 * (samples.shape[-1] - 1))
 
 
 def deviation_of(samples) -> Estimate:
-    """Return the standard deviation of one row (n,) and its error, see `deviations_of`."""
+    """Return the standard deviation of samples (n,) and its standard error (`deviations_of`)."""
     deviation, error = deviations_of(samples)
     return Estimate(float(deviation), float(error))
 
@@ -67,7 +76,10 @@ def variation_of(samples) -> Estimate:
 def resampled(
     samples, random: np.random.Generator, resamples: int, paired: bool
 ) -> Iterator[np.ndarray]:
-    """Generate bootstrap samples (..., n) of surfaces: the same in all rows if ``paired``."""
+    """Generate ``resamples`` bootstrap samples (..., n) of samples (..., n) of n surfaces.
+
+    All rows have the same resampled surfaces if ``paired``, else each row its own.
+    """
     n = np.shape(samples)[-1]
     samples = np.asarray(samples, dtype=float)
     for _ in range(resamples):
@@ -76,18 +88,28 @@ def resampled(
 
 
 def jackknife_error(left_out):
-    """Return standard errors (...) from values (groups, ...), each without one of the groups."""
+    """Return the standard errors (...) of values by the jackknife.
+
+    ``left_out`` (groups, ...) are the values that result without each of the groups.
+    """
     return np.sqrt((len(left_out) - 1) * np.var(left_out, axis=0))
 
 
 def mean_covariance(samples, paired: bool) -> np.ndarray:
-    """Return the covariance (k, k) of means over samples (k, n); diagonal for independent draws."""
+    """Return the covariance (k, k) of the errors of the means of samples (k, n) of n surfaces.
+
+    It is diagonal unless the samples are ``paired``, that is of the same surfaces.
+    """
     covariance = np.atleast_2d(np.cov(samples)) / np.shape(samples)[1]
     return covariance if paired else np.diag(np.diag(covariance))
 
 
 def deviation_covariance(samples, paired: bool) -> np.ndarray:
-    """Return the covariance (k, k) of the standard deviations of normal samples (k, n)."""
+    """Return the covariance (k, k) of the errors of the standard deviations of samples (k, n).
+
+    The samples are taken as normal. It is diagonal unless they are ``paired``, that is of the same
+    surfaces.
+    """
     covariance = np.cov(samples)
     deviations = np.sqrt(np.diag(covariance))
     scale = np.outer(deviations, deviations)
@@ -97,7 +119,12 @@ def deviation_covariance(samples, paired: bool) -> np.ndarray:
 
 
 def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
-    """Compute the ratio of means of rows (n,) on the same surfaces, its error by delta method."""
+    """Compute the ratio of the means of two rows (n,) on the same surfaces, with standard error.
+
+    The error is by the delta method. Surfaces on which a value is not finite are left out. The
+    ratio is NaN if none is left, or if the mean ``under`` it is 0; the error is NaN for one surface
+    too.
+    """
     known = np.isfinite(over) & np.isfinite(under)
     over = over[known]
     under = under[known]

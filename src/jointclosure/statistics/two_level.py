@@ -1,4 +1,4 @@
-"""Means by two levels of accuracy, and what they cost (M. B. Giles, Acta Numerica 24, 2015, 259).
+"""Means by two levels of accuracy, and their cost (M. B. Giles, Acta Numerica 24, 2015, 259).
 
 The mean of n joints at a cheap level, plus the mean of k differences to a finer level on k of the
 same walls, has no bias but that of the finer level. Its variance is V/n + D/k, with the variance V
@@ -14,11 +14,11 @@ import scipy
 
 from jointclosure.statistics.standard_errors import CONFIDENCE
 
-FEWEST_DIFFERENCES = 8  # differences of a plan: a standard deviation of fewer is not known
+FEWEST_DIFFERENCES = 8  # of a plan: fewer do not show their standard deviation
 
 
 class Interval(NamedTuple):
-    """Estimate, and the ends of its confidence interval."""
+    """Estimate of a number, and the ends of its confidence interval, in the same unit."""
 
     value: float
     low: float
@@ -26,11 +26,14 @@ class Interval(NamedTuple):
 
     @property
     def most(self) -> float:
-        """Largest magnitude."""
+        """Largest magnitude of the ends of the interval."""
         return max(abs(self.low), abs(self.high))
 
     def within(self, limit: float) -> bool | None:
-        """Return whether the magnitude is at most a limit; None if the interval leaves it open."""
+        """Return whether the magnitude of the number is at most a ``limit``.
+
+        True if the whole interval is within the limit, False if all of it is beyond, else None.
+        """
         if self.most <= limit:
             return True
         return False if self.low > limit or self.high < -limit else None
@@ -47,23 +50,31 @@ def t_interval(samples: np.ndarray) -> Interval:
 
 
 def change_interval(samples: np.ndarray) -> Interval:
-    """Return `t_interval` of relative changes (n,) of a positive result: no end is below -1."""
+    """Return the mean of relative changes (n,) of a positive result, with its 95 % interval.
+
+    It is the `t_interval`, whose low end is raised to -1 if it is below, except for one sample.
+    """
     interval = t_interval(samples)
     return interval._replace(low=max(interval.low, -1.0)) if np.size(samples) > 1 else interval
 
 
 def two_level_mean(cheap: np.ndarray, differences: np.ndarray) -> Interval:
-    """Return the mean at the finer level from cheap values (n,), and differences of the first k."""
+    """Return the mean at the finer level, with its 95 % interval.
+
+    ``cheap`` (n,) are the values of n joints at the cheap level, ``differences`` (k,) what the
+    finer level adds to those of the first k joints.
+    """
     value = float(np.mean(cheap) + np.mean(differences))
     return combined(value, [(cheap / np.size(cheap), differences / np.size(differences))])
 
 
 def combined(value: float, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> Interval:
-    """Return the interval of a sum of contributions at two levels, of independent groups of joints.
+    """Return the 95 % interval about a ``value`` that is a sum over groups of joints.
 
-    ``parts`` are the contributions of n joints at the cheap level and of differences of the first k
-    of them; both of a joint may be correlated. The degrees of freedom are those of B. L. Welch,
-    Biometrika 34, 1947, 28-35.
+    Each of the ``parts`` is an independent group: the contributions (n,) of its joints at the cheap
+    level, and those (k,) of the differences to the finer level on the first k of them. The two
+    contributions of a joint may be correlated. The interval is infinite if a group has fewer than
+    two differences. The degrees of freedom are those of B. L. Welch, Biometrika 34, 1947, 28-35.
     """
     squares = []
     freedoms = []
@@ -79,7 +90,10 @@ def combined(value: float, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> In
 
 
 class Plan(NamedTuple):
-    """Numbers of joints at the cheap level and of differences, processor time [s], half-width."""
+    """Plan of a two-level mean: numbers of cheap joints and of differences, and what they give.
+
+    ``seconds`` is the processor time, ``half_width`` half of the 95 % interval of the mean.
+    """
 
     joints: int
     differences: int
@@ -93,11 +107,12 @@ def best_plan(
     within: float,
     budget: float | None = None,
 ) -> Plan | None:
-    """Return the cheapest plan of a mean whose half-width is at most ``within``.
+    """Return the cheapest plan of a two-level mean whose half-width is at most ``within`` > 0.
 
-    With a ``budget`` [s] it is the plan of smallest half-width for this time; None if that is too
-    short for any. ``deviations`` are standard deviations of the cheap level and of the differences,
-    ``seconds`` the times of a joint at the cheap level and of a difference, at both levels.
+    With a ``budget`` [s], ``within`` does not count: it is the plan of smallest half-width for this
+    processor time, or None if the time is too short for any plan. ``deviations`` are the standard
+    deviations of values at the cheap level and of differences, ``seconds`` the times of one joint
+    at the cheap level and of one difference, which has both levels.
     """
     joints = FEWEST_DIFFERENCES
     best = None
@@ -112,7 +127,10 @@ def best_plan(
 
 
 def _best_split(deviations: tuple[float, float], seconds: tuple[float, float], joints: int) -> Plan:
-    """Return the plan of so many cheap joints with the best number of differences."""
+    """Return the plan of so many cheap ``joints`` with the best number of differences.
+
+    Arguments are as for `best_plan`.
+    """
     first, second = deviations
     cheap, both = seconds
     share = second * math.sqrt(cheap) / (first * math.sqrt(both)) if first * both > 0.0 else 1.0
@@ -123,12 +141,17 @@ def _best_split(deviations: tuple[float, float], seconds: tuple[float, float], j
 
 
 def _squared_error(samples: np.ndarray) -> float:
+    """Return the squared standard error of the mean of samples (n,); infinite for one sample."""
     count = np.size(samples)
     return float(np.var(samples, ddof=1)) / count if count > 1 else math.inf
 
 
 def _interval_about(value: float, squares: list[float], freedoms: list[int]) -> Interval:
-    """Return an interval about a value, from squared errors of its parts and degrees of freedom."""
+    """Return the 95 % interval about a value, from the squared errors of its parts.
+
+    ``freedoms`` are the degrees of freedom of these errors. The interval is infinite if an error
+    is.
+    """
     total = sum(squares)
     if not math.isfinite(total):
         return Interval(value, -math.inf, math.inf)

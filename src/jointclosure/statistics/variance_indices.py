@@ -33,11 +33,11 @@ from jointclosure.inputs import InputError
 
 _DEGREE = 3  # of the polynomials of a continuous input
 FOLDS = 8
-"""Number of parts of the rows; each part is left out of the fit that is used for it."""
+"""Number of parts of the rows; each part is left out of the fit that reduces its error."""
 
 
 class Term(NamedTuple):
-    """Product of functions: (input, number of the function) of each factor."""
+    """Product of functions of single inputs: (input, number of the function) of each factor."""
 
     factors: tuple[tuple[int, int], ...]
 
@@ -48,9 +48,10 @@ class Term(NamedTuple):
 
 
 class FittedFunction(NamedTuple):
-    """Function of d inputs fitted by least squares.
+    """Sum of orthonormal terms of d inputs in [0, 1], fitted by least squares.
 
-    ``values`` (d,) are the numbers of values of the inputs, 0 for continuous ones.
+    ``values`` (d,) are the numbers of values of the inputs, 0 for continuous ones;
+    ``coefficients`` (terms,) those of the ``terms``.
     """
 
     values: tuple[int, ...]
@@ -62,16 +63,16 @@ class FittedFunction(NamedTuple):
         return design_matrix(points, self.values, self.terms) @ self.coefficients
 
     def first(self, one: int) -> float:
-        """Return the variance due to one input alone."""
+        """Return the variance of the function due to one input alone, by its number."""
         return self._variance(lambda inputs: inputs == {one})
 
     def total(self, one: int) -> float:
-        """Return the variance due to an input, including its interactions."""
+        """Return the variance of the function due to one input, including its interactions."""
         return self._variance(lambda inputs: one in inputs)
 
     @property
     def variance(self) -> float:
-        """Variance of the fitted function over the cube."""
+        """Variance of the fitted function over the unit cube."""
         return self._variance(bool)
 
     def _variance(self, counts) -> float:
@@ -81,7 +82,10 @@ class FittedFunction(NamedTuple):
 
 
 def terms_of(values: tuple[int, ...]) -> tuple[Term, ...]:
-    """Return the terms of a fit for inputs with given numbers of values (0: continuous)."""
+    """Return the terms of a fit: a constant, functions of each input, and products of two inputs.
+
+    ``values`` (d,) are the numbers of values of the inputs, 0 for continuous ones.
+    """
     terms = [Term(())]
     for one, count in enumerate(values):
         terms += [Term(((one, number),)) for number in range(count - 1 if count else _DEGREE)]
@@ -93,7 +97,10 @@ def terms_of(values: tuple[int, ...]) -> tuple[Term, ...]:
 
 
 def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> np.ndarray:
-    """Evaluate the terms (..., terms) at points (..., d) of the unit cube."""
+    """Return the values (..., terms) of the terms at points (..., d) of the unit cube.
+
+    ``values`` (d,) are the numbers of values of the inputs, 0 for continuous ones.
+    """
     points = np.asarray(points, dtype=float)
     functions = [
         _contrasts(points[..., one], count) if count else _legendre(points[..., one])
@@ -107,7 +114,10 @@ def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> n
 
 
 def fit_function(points, response, values: tuple[int, ...]) -> FittedFunction:
-    """Fit a response (n,) at points (n, d) of the unit cube by least squares."""
+    """Fit a function to a response (n,) at points (n, d) of the unit cube, by least squares.
+
+    ``values`` (d,) are the numbers of values of the inputs, 0 for continuous ones.
+    """
     terms = terms_of(values)
     matrix = design_matrix(points, values, terms)
     return FittedFunction(
@@ -116,22 +126,25 @@ def fit_function(points, response, values: tuple[int, ...]) -> FittedFunction:
 
 
 def level_of(u, count: int):
-    """Return which of ``count`` levels of a factor u in [0, 1] stands for, from 0.
+    """Return the number, from 0, of the level for which u in [0, 1] stands.
 
-    Levels have equal parts of this range, in their order.
+    Each of the ``count`` levels of a factor has an equal part of this range, in their order.
     """
     return np.minimum((np.asarray(u) * count).astype(int), count - 1)
 
 
 def _legendre(u: np.ndarray) -> np.ndarray:
-    """Return normalised Legendre polynomials of degrees 1 to 3, along the last axis."""
+    """Return the Legendre polynomials (..., 3) of degrees 1 to 3 at u (...), normed on [0, 1]."""
     basis = np.polynomial.legendre.Legendre.basis
     degrees = range(1, _DEGREE + 1)
     return np.stack([np.sqrt(2.0 * k + 1.0) * basis(k)(2.0 * u - 1.0) for k in degrees], axis=-1)
 
 
 def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
-    """Return Helmert contrasts of the parts, with mean 0 and variance 1 over the parts."""
+    """Return the Helmert contrasts (..., count - 1) of the level for which u (...) stands.
+
+    They have mean 0 and variance 1 over the ``count`` levels.
+    """
     contrasts = np.zeros((count, count - 1))
     for number in range(count - 1):
         contrasts[: number + 1, number] = -1.0
@@ -141,9 +154,9 @@ def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
 
 
 class Indices(NamedTuple):
-    """Sensitivity indices (d,) of the mean over surfaces, and standard errors."""
+    """Sensitivity indices (d,) of the mean over surfaces to d inputs, and their standard errors."""
 
-    first: np.ndarray  # relative to the variance, like total; NaN if that is not above 0
+    first: np.ndarray  # relative to the variance, like total; both NaN if it is not above 0
     first_error: np.ndarray
     total: np.ndarray
     total_error: np.ndarray
@@ -157,7 +170,8 @@ class Indices(NamedTuple):
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
     """Return Saltelli's design (rows, inputs + 2, inputs) of scrambled Sobol points.
 
-    A row has the points A and B, and for each input the point A with this input taken from B.
+    A row has the points A and B, and for each input the point A with this input taken from B. The
+    number of rows should be a power of two.
     """
     a, b = _sobol_points(2 * inputs, rows, seed).reshape(rows, 2, inputs).swapaxes(0, 1)
     points = np.repeat(a[:, None, :], inputs + 2, axis=1)
@@ -174,11 +188,12 @@ def _sobol_points(inputs: int, rows: int, seed: int) -> np.ndarray:
 
 
 def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
-    """Estimate first and total indices of every input.
+    """Estimate the first and total sensitivity indices of d inputs (see the module).
 
-    ``points`` (N, d + 2, d) are as from `sampled_rows`, ``responses`` (N, d + 2, 2) are those on
-    two surfaces, ``values`` (d,) as for `FittedFunction`. Raise `InputError` for other shapes,
-    fewer rows than two for each part, or responses that are not finite.
+    ``points`` (N, d + 2, d) are as from `sampled_rows`, ``responses`` (N, d + 2, 2) are the results
+    there on two surfaces, and ``values`` (d,) are the numbers of values of the inputs, 0 for
+    continuous ones. Raise `InputError` for other shapes, fewer than 16 rows, or responses that are
+    not finite.
     """
     points = np.asarray(points, float)
     responses = np.asarray(responses, float)
@@ -235,13 +250,17 @@ def shapley_effects(
     correlations: Mapping[tuple[int, int], float] | None = None,
     draws: int = 2048,
 ) -> np.ndarray:
-    """Compute Shapley effects of fitted functions: shares of their variance that sum to 1.
+    """Compute the Shapley effects (d, ...) of inputs: shares of a variance that sum to 1.
 
-    ``coefficients`` (terms, ...) are those of `terms_of`; ``correlations`` those of inputs, as
-    normal variables, by pair. Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms
-    of independent inputs share their variance equally. The others are grouped by the independent
-    inputs that they contain, each group a game; the variance due to inputs J is the covariance of
-    responses that share only x_J.
+    The variance is that of fitted functions, whose ``coefficients`` (terms, ...) are those of the
+    terms from `terms_of`. ``values`` (d,) are the numbers of values of the inputs, 0 for continuous
+    ones. ``correlations`` are those of pairs of inputs as normal variables, by their numbers; other
+    pairs are independent (Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017).
+
+    The variance of a term of independent inputs is shared equally by its inputs. The other terms
+    are grouped by the independent inputs that they contain, and each group is a game. The variance
+    due to inputs J is there the covariance of responses that have only x_J in common, from
+    ``draws`` points. Raise `InputError` if the correlations are not those of normal variables.
     """
     d = len(values)
     coefficients = np.asarray(coefficients, dtype=float)
@@ -263,7 +282,11 @@ def shapley_effects(
 
 
 def _shapley_values(players, values, numbers, coefficients, correlations, draws) -> np.ndarray:
-    """Return Shapley values (players, ...) of the variance of terms of these inputs only."""
+    """Return the Shapley values (players, ...) of the variance of some terms of the ``players``.
+
+    The players are the inputs of these terms. ``numbers`` are the places of the terms in
+    `terms_of`, ``coefficients`` (numbers, ...) their coefficients.
+    """
     place = {one: at for at, one in enumerate(players)}
     terms = terms_of(values)
     factors = (terms[number].factors for number in numbers)
@@ -282,10 +305,11 @@ def _shapley_values(players, values, numbers, coefficients, correlations, draws)
 
 
 def _sampled_variances(values, terms, coefficients, correlations, draws, subsets):
-    """Generate each subset of dependent inputs, and the variance due to it.
+    """Generate each of the ``subsets`` of dependent inputs, and the variance (...) due to it.
 
-    That is the covariance of two responses whose points have the inputs of the subset in common;
-    the others of the second point are drawn from their normal distribution given these.
+    The variance is the covariance of two responses at points that have the inputs of the subset in
+    common. The other inputs of the second point are drawn from their normal distribution given
+    those in common.
     """
     d = len(values)
     matrix = np.eye(d)
@@ -318,7 +342,10 @@ def _sampled_variances(values, terms, coefficients, correlations, draws, subsets
 
 
 def _row_terms(responses: np.ndarray) -> np.ndarray:
-    """Return V, every V_i and every V_Ti of each row: (N, 1 + 2 d)."""
+    """Return the products (N, 1 + 2 d) of each row whose means are V, every V_i and every V_Ti.
+
+    ``responses`` (N, d + 2, 2) are those of the design, with mean 0.
+    """
     a = responses[:, 0]
     b = responses[:, 1]
     mixed = responses[:, 2:]
@@ -330,10 +357,11 @@ def _row_terms(responses: np.ndarray) -> np.ndarray:
 
 
 def _jackknife_errors(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Return standard errors of V, of all V_i and V_Ti over V, and of the share of the surfaces.
+    """Return the standard errors (2 + 2 d,) of V, of all V_i/V and V_Ti/V, and of the noise.
 
-    ``terms`` (N, 1 + 2 d) are those of `_row_terms`, ``noise`` (N,) variances by the surfaces; each
-    row is left out once.
+    ``terms`` (N, 1 + 2 d) are as from `_row_terms`. ``noise`` (N,) are variances due to the
+    surfaces; its error is that of its share in the variance of a single simulation. Each row is
+    left out once.
     """
     n = noise.size
     left = (terms.sum(axis=0) - terms) / (n - 1)

@@ -15,7 +15,7 @@ VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, UNDECIDED)
 
 
 class Frequency(NamedTuple):
-    """Share of repetitions, its standard error, and its 95 % interval."""
+    """Share of the repetitions of a study, its standard error, and its 95 % interval [1]."""
 
     share: float
     standard_error: float
@@ -24,10 +24,12 @@ class Frequency(NamedTuple):
 
 
 def verdict(interval: tuple[float, float], above: float, alike: float | None = None) -> str:
-    """Return the verdict on the claim that a number exceeds ``above``, by its confidence interval.
+    """Return the verdict on the claim that a number exceeds ``above``.
 
-    With ``alike`` a number from -alike to alike counts as no difference, and the claim falls only
-    below that. Raise `InputError` if a limit is not allowed.
+    ``interval`` (low, high) is the confidence interval of the number. The claim stands if all of it
+    is above, falls if none of it is, and is undecided otherwise, or if an end is NaN. With
+    ``alike``, an interval within -alike to alike is no difference, and the claim falls only if the
+    whole interval is below -alike. Raise `InputError` if a limit is not allowed.
     """
     low, high = interval
     if low > high:
@@ -48,10 +50,12 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
 
 
 def frequency(count: int, n: int, pool_error: float = 0.0) -> Frequency:
-    """Return the frequency of a count of n repetitions, with the error of their pool.
+    """Return the share ``count``/n of n repetitions, with its standard error and 95 % interval.
 
-    Raise `InputError` if there is no repetition, the count is not from 0 to n, or the error is
-    negative.
+    The interval is Wilson's. ``pool_error`` is the standard error of the share due to the surfaces
+    of the pool (`repetitions.pool_error`); with it, the interval also contains two standard errors
+    on either side. Raise `InputError` if there is no repetition, the count is not from 0 to n, or
+    the error is negative or not finite.
     """
     check_count("n", n)
     check_count("count", count, 0, n)

@@ -19,8 +19,8 @@ _SEAL = b"\nsha256 of all before this line: "  # before the digest at the end of
 END_DIGEST = 64  # length in bytes of the digest at the end of a sealed file
 _READ_BYTES = 1_000_000  # at a time; a memory-mapped file would count as memory of the process
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
-"""Errors that a full disk cannot cause. netCDF reports a full disk as a denied permission, or by a
-number."""
+"""Errors that a full disk cannot cause. A denied permission is not among them: netCDF reports a
+full disk as one."""
 
 
 MAKE_AGAIN = "delete it and start again; missing files are made again"
@@ -32,7 +32,12 @@ class DamagedFileError(OSError):
 
 
 def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
-    """Call ``write`` with a temporary path, then rename it; `OSError` may name the free space."""
+    """Write a file completely or not at all.
+
+    ``write`` is called with a temporary path in the same folder, which is then renamed to ``path``.
+    Temporary files for this path that killed processes left on this computer are removed first.
+    Raise `OSError` if this fails, with the free space on the disk if it may be full.
+    """
     path = Path(path)
     written_here = f".{path.stem}.{socket.gethostname()}-"
     temporary = path.with_name(f"{written_here}{os.getpid()}-{get_ident()}{path.suffix}")
@@ -73,7 +78,10 @@ def _flush_to_disk(path: Path) -> None:
 
 
 def _writing_error(path: Path, error: OSError) -> OSError:
-    """Return the error to be raised, with the free space on the disk if that may be the reason."""
+    """Return the error to raise for a file that could not be written.
+
+    Its message has the free space on the disk if a lack of it may be the reason.
+    """
     message = f"{path}: could not be written ({error})"
     if error.errno in _NOT_OF_SPACE:
         return OSError(message)
@@ -82,7 +90,7 @@ def _writing_error(path: Path, error: OSError) -> OSError:
 
 
 def seal(path: Path) -> None:
-    """Append the digest of a file to it."""
+    """Append to a file the digest of its content, by which `check_seal` finds changes."""
     with open(path, "r+b") as file:
         of_content = hashlib.file_digest(file, "sha256").hexdigest()
         file.seek(0, os.SEEK_END)
@@ -90,7 +98,7 @@ def seal(path: Path) -> None:
 
 
 def check_seal(path: Path) -> None:
-    """Raise `DamagedFileError` if a sealed file is not as it was written, in any bit."""
+    """Raise `DamagedFileError` if any bit of a sealed file has changed, or if it has no seal."""
     left = os.path.getsize(path) - len(_SEAL) - END_DIGEST
     of_content = hashlib.sha256()
     with open(path, "rb") as file:
@@ -104,18 +112,28 @@ def check_seal(path: Path) -> None:
 
 
 def digest(*parts: object) -> str:
-    """Return a digest of settings: of numbers, texts, and named tuples and mappings of them."""
+    """Return the SHA-256 digest of settings, by their `repr`.
+
+    They may be numbers, texts, and named tuples and mappings of them. The names and the order of
+    fields count, and the names of the types of named tuples.
+    """
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
-    """Write a table; numbers have all digits, or ``figures`` significant ones."""
+    """Write a table as CSV, completely or not at all, without its index.
+
+    Numbers have all digits, or ``figures`` significant digits.
+    """
     form = None if figures is None else f"%.{figures}g"
     write_text(frame.to_csv(index=False, float_format=form), path)
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
-    """Read a table written by `write_csv`, or an input in the same form."""
+    """Read a table written by `write_csv`, or an input in the same form.
+
+    What follows a # in a line is left out.
+    """
     return pd.read_csv(path, comment="#")
 
 
@@ -128,5 +146,5 @@ def read_text(path: str | Path) -> str:
 
 
 def write_text(text: str, path: str | Path) -> None:
-    """Write a text, completely or not at all."""
+    """Write a text as UTF-8, completely or not at all."""
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))

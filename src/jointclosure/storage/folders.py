@@ -24,10 +24,11 @@ RECORD = "written.json"
 
 
 def write(content: Any, path: str | Path) -> None:
-    """Write content by its type and the suffix of the path, completely or not at all.
+    """Write content in the format of its type and of the suffix of the path.
 
     It is a dataset (.nc), a mesh (.vtu: points (n, 3) [m], triangles (m, 3), fields (m,) by name),
-    an animation (.gif), a figure, a table, a text, or a record for JSON.
+    an animation (.gif), a figure, a table, a text, or a record for JSON. The file is written
+    completely or not at all.
     """
     path = Path(path)
     if isinstance(content, xr.Dataset):
@@ -53,10 +54,11 @@ def write(content: Any, path: str | Path) -> None:
 
 
 def replace_files(folder: Path, command: str, files: Mapping[str, Any]) -> None:
-    """Write files to a folder, which is made if needed, and delete the others of an earlier run.
+    """Write the files of a command to a folder, in place of those of an earlier run of the command.
 
-    ``files`` are contents by name, and the earlier run is that of the same command. All files are
-    first written elsewhere: if this fails, the earlier files stay.
+    ``files`` are contents by name (`write`). The folder is made if needed, in one that exists.
+    Files of the earlier run that are not written again are deleted; files of other commands stay.
+    All files are first written to a temporary folder inside: if this fails, the earlier files stay.
     """
     folder.mkdir(exist_ok=True)
     earlier = check_record(folder).get(command, [])
@@ -73,12 +75,19 @@ def replace_files(folder: Path, command: str, files: Mapping[str, Any]) -> None:
 
 
 def add_file(folder: Path, command: str, name: str) -> None:
-    """Record a file as one of the files of a command, to be replaced with them."""
+    """Record that a file in a folder belongs to a command: its next run replaces or deletes it.
+
+    The file itself is not written.
+    """
     _record(folder, command, [*check_record(folder).get(command, []), name])
 
 
 def check_record(folder: Path) -> dict[str, list[str]]:
-    """Return the files of each command by a folder's record; `InputError` if it cannot be read."""
+    """Return the names of the files that each command wrote to a folder, by its record.
+
+    There are none without a record. Raise `InputError` if the record cannot be read, or names a
+    file in another folder.
+    """
     path = folder / RECORD
     if not path.is_file():
         return {}
@@ -96,6 +105,6 @@ def check_record(folder: Path) -> dict[str, list[str]]:
 
 
 def _record(folder: Path, command: str, names: Iterable[str]) -> None:
-    """Write the names of a command's files to the record of a folder."""
+    """Set the names of the files of a command in the record of a folder."""
     commands = check_record(folder) | {command: sorted({*names})}
     write_text(json.dumps(commands, indent=1, sort_keys=True) + "\n", folder / RECORD)

@@ -1,8 +1,9 @@
-"""The library of netCDF files, loaded so that it needs no locks.
+"""The netCDF4 library, imported so that HDF5 needs no file locks.
 
 Some file systems have no locks, and HDF5 then refuses to read and to write. No lock is needed here:
-a file is written under a name of its own and renamed. HDF5 reads the variable when it is first
-used. A value that the user has set stays.
+a file is written under a name of its own and renamed. Therefore the environment variable
+``HDF5_USE_FILE_LOCKING`` is set to FALSE for this process before the import, because HDF5 reads it
+when it is first used. A value that the user has set stays.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Logs of long work, with the time and memory that it took."""
+"""Log files of long work, and the time and memory that it took."""
 
 import contextlib
 import gc
@@ -17,7 +17,10 @@ FAILED = "failed: "  # prefix of the reason at the end of the log of a failure
 
 
 class Logbook:
-    """Log of lines with the time since its start, flushed one by one."""
+    """Function that writes a line to a log, with the time since the log was opened.
+
+    Every line is flushed at once.
+    """
 
     def __init__(self, stream: TextIO):
         self._stream = stream
@@ -27,7 +30,7 @@ class Logbook:
         print(f"{time.monotonic() - self._start:8.2f} s  {line}", file=self._stream, flush=True)
 
     def show(self, line: str) -> None:
-        """Log a line, and show it to the user."""
+        """Log a line, and also print it on standard error for the user."""
         self(line)
         print(f"{SHOWN}{line}", file=sys.__stderr__, flush=True)
 
@@ -36,15 +39,20 @@ class Logbook:
 def logging_to(
     log: str | Path, benchmark: str | Path = os.devnull, raised: bool = False
 ) -> Iterator[Logbook]:
-    """Open a logbook in a file, also for standard output; on failure it is copied to LOG.failed.
+    """Log the work inside to a file, with everything that it prints.
 
-    Otherwise time [s], largest memory [MB] and processor time [s] are written to ``benchmark``.
+    Standard output and standard error are redirected to the ``log``, and a `Logbook` for it is
+    passed to the work. Folders are made if needed. If the work succeeds, its time [s], the largest
+    memory of the process [MB] and the processor time [s] are written to ``benchmark``. If it fails,
+    the log gets the traceback and the reason, and is copied to a file whose name ends in
+    ``.failed``. Unless errors are ``raised``, as in a script, what was imported before is excluded
+    from garbage collection for the rest of the process.
 
     Raises
     ------
     SystemExit
-        If it fails: the log has the traceback, and a script prints none. The error itself is
-        ``raised`` on request.
+        If the work fails, so that a script prints no traceback. With ``raised`` the error itself is
+        raised instead.
     """
     for path in (log, benchmark):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
@@ -73,9 +81,9 @@ def logging_to(
 
 
 def reason_of_failure(log: str | Path) -> str:
-    """Return in one line why the work of a log (`logging_to`) failed.
+    """Return in one line why work failed, by its log (`logging_to`).
 
-    A log that states no reason is of work that was ended from outside, whatever its last line is.
+    If the log is missing or states no reason, the work was ended from outside.
     """
     file = Path(log)
     if not file.exists():

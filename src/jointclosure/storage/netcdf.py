@@ -16,7 +16,7 @@ _LOCKS = (
     "if there is room on the disk, its file system refuses the locks of HDF5: set "
     "HDF5_USE_FILE_LOCKING=FALSE before Python starts"
 )
-Place = dict[str, slice | int]  # position of a region in a dataset by dimension
+Place = dict[str, slice | int]  # position of a region in a dataset, by dimension
 
 
 def write_netcdf(
@@ -26,11 +26,13 @@ def write_netcdf(
     dimension: str | None = None,
     chunks: Mapping[str, int] = {},
 ) -> None:
-    """Write a dataset, compressed, completely or not at all.
+    """Write a dataset to a netCDF file, compressed and sealed, completely or not at all.
 
-    With a ``dimension`` the dataset has one entry along it, and ``regions`` (position, values) are
-    then written one by one. A region lacks dimensions in which its position is a number.
-    ``chunks`` are the lengths, by dimension, of blocks that are compressed together.
+    A large dataset can be written in parts along a ``dimension``. The ``dataset`` has then one
+    entry along it, which fixes names and types, and ``regions`` (position, values) are written one
+    by one. A region lacks the dimensions in which its position is a number. ``chunks`` are the
+    lengths, by dimension, of blocks that are compressed together. Raise `OSError` if the file
+    cannot be written.
     """
     dataset = dataset.drop_encoding()
     encoding = dict[Any, dict[str, Any]]()
@@ -43,6 +45,7 @@ def write_netcdf(
     form: dict[str, Any] = {"engine": "netcdf4", "encoding": encoding}
 
     def write(temporary: Path) -> None:
+        """Write and seal the temporary file; raise `OSError` for all errors of netCDF."""
         try:
             dataset.to_netcdf(temporary, unlimited_dims=[dimension] if dimension else None, **form)
             if dimension:
@@ -61,7 +64,7 @@ def write_netcdf(
 
 
 def _write_region(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> None:
-    """Write the variables of a region that have a dimension of its ``place`` in a file."""
+    """Write a region to an open file: its variables that have a dimension of its ``place``."""
     for name, variable in region.variables.items():
         dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):
@@ -70,14 +73,20 @@ def _write_region(file: netCDF4.Dataset, region: xr.Dataset, place: Place) -> No
 
 
 def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a dataset without some variables; `DamagedFileError` if a bit of the file changed."""
+    """Read a dataset that `write_netcdf` wrote into memory, without the variables ``without``.
+
+    Raise `DamagedFileError` if any bit of the file has changed.
+    """
     with reading_netcdf(path) as dataset:
         return dataset.drop_vars(without, errors="ignore").load()
 
 
 @contextlib.contextmanager
 def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
-    """Open a dataset whose values are read only when used; errors as for `read_netcdf`."""
+    """Open a dataset whose values are read when they are used, and close it at the end.
+
+    The whole file is checked first. Raise `DamagedFileError` if any bit of it has changed.
+    """
     check_seal(Path(path))
     with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
         yield dataset

@@ -1,4 +1,4 @@
-"""Provenance of a dataset: code, versions, machine."""
+"""Provenance of results: commit and digest of the code, versions of packages, machine."""
 
 import contextlib
 import importlib.metadata
@@ -16,7 +16,10 @@ from jointclosure.storage.files import write_text
 
 
 def origin() -> dict[str, str]:
-    """Return attributes on code, versions, machine; ``provenance_`` ones differ between runs."""
+    """Return attributes of a dataset on its provenance: code, versions of packages, machine.
+
+    Those that begin with ``provenance_`` may differ between runs of the same code.
+    """
     versions = versions_of(
         "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
     )
@@ -30,9 +33,10 @@ def origin() -> dict[str, str]:
 
 
 def write_origin(folder: Path, note: str = "") -> None:
-    """Write `origin.json` to a folder of results.
+    """Write `origin.json`, with the provenance of results, to their folder.
 
-    It contains the present commit, the digest of the code, versions, the machine, and a note.
+    It has the name of the folder, the present commit, the digest of the code, versions of packages,
+    the machine, and a ``note`` if there is one.
     """
     made = origin()
     about = {"run": folder.name, "commit": made.pop("provenance_commit")} | made
@@ -41,7 +45,7 @@ def write_origin(folder: Path, note: str = "") -> None:
 
 
 def to_plain(value: Any) -> Any:
-    """Convert named tuples to mappings and tuples to lists, at every level."""
+    """Convert a value for JSON: named tuples to mappings and tuples to lists, at every level."""
     if hasattr(value, "_asdict"):
         return {name: to_plain(part) for name, part in value._asdict().items()}
     if isinstance(value, dict):
@@ -52,7 +56,7 @@ def to_plain(value: Any) -> Any:
 
 
 def versions_of(*packages: str) -> dict[str, str]:
-    """Return versions of the installed packages among the given ones."""
+    """Return the versions of ``packages`` by name; those that are not installed are left out."""
     versions = {}
     for name in packages:
         with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # package of an extra
@@ -61,7 +65,10 @@ def versions_of(*packages: str) -> dict[str, str]:
 
 
 def commit() -> str:
-    """Return the commit of the sources, with a mark if they were edited since."""
+    """Return the commit of the sources, with "-dirty" if they were edited since.
+
+    Without git, or outside of a clone, it is "unknown" with the reason.
+    """
     command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         answer = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -71,7 +78,7 @@ def commit() -> str:
 
 
 def processor() -> str:
-    """Return the model of the processor, if the system states it, and the number of cores."""
+    """Return the model of the processor, if the system states it, and the number of its cores."""
     path = Path("/proc/cpuinfo")
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
     model = re.search(r"model name\s*: (.*)", text)

@@ -1,1 +1,1 @@
-"""The range of the results of one joint: what is not known of it, and its numerical error."""
+"""Uncertainty of the results of one joint: sources, simulated variants, ranges, numerical error."""

@@ -1,4 +1,4 @@
-"""Uncertainty budget of a joint: its variants are simulated, and give ranges of its results."""
+"""Uncertainty budget of a joint: ranges of its results, from simulations of its variants."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -52,8 +52,8 @@ from jointclosure.uncertainty.variants import (
 )
 
 UNDETERMINED = "undetermined"
-"""Text of a kni or Vm that a loading does not determine, and of a share that few joints with random
-values do not distinguish from 0."""
+"""Text in place of a kni or Vm that a loading does not determine, and of the share of a source that
+the joints with random values are too few to distinguish from 0."""
 MEASURED = (
     "measured joints (three of granodiorite, E 11 GPa, 122 mm wide): {:.2g} to {:.2g} mm of "
     "closure on the first loading to 10 MPa; a later loading was {:.2g} to {:.2g} times as stiff "
@@ -64,12 +64,12 @@ MEASURED = (
     *measured_range("stiffness_ratio"),
     *measured_range("later_residual_share"),
 )
-"""What is known of the model from three measured granodiorite joints."""
-OUTLYING = 0.15  # share of random joints beyond the best value, below which it is at their edge
+"""Sentence that compares the model with three measured granodiorite joints."""
+OUTLYING = 0.15  # share of random joints beyond the joint's value, below which it is at their edge
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 FURTHER = 10_000  # further joints with random values whose results are estimated for the range
 ROUNDING = 1e-12  # largest closure [mm] that is the rounding of 0
-LEAST_SHARE = 0.005  # of a source that is named: half a percent
+LEAST_SHARE = 0.005  # smallest share of a source that is named: half a percent
 MOVES = 0.1
 """Change of a result by one source alone, over the width of the range, from which a share below
 `LEAST_SHARE` is called undetermined: few random joints do not show what the source does."""
@@ -77,7 +77,7 @@ AT_END = 0.05
 """Distance of the usual value from an end of its range, over the width of the range, up to which
 the range is called one-sided."""
 _OF_SCANS = ("registration", "noise", "resolution", "scale", "holes")
-"""Sources of a range that are errors of the scans and of their position."""
+"""Sources that are errors of the scans and of their position."""
 _WHY_UNDETERMINED = {
     KNI: "whose loading begins so flat that the fitted kni is less than its standard error",
     VM: "whose loading hardly bends (Vm is more than "
@@ -92,19 +92,20 @@ class Budget(NamedTuple):
     ----------
     results : DataFrame
         A row per variant and cycle: ``source`` ("" for the joint itself, `ALL` for random values of
-        all sources), ``value``, ``status``, ``cycle`` and `RANGED_RESULTS`, NaN if the variant
-        failed.
+        all sources), ``value``, ``status``, ``cycle`` and `RANGED_RESULTS`, which are NaN if the
+        variant failed. The status of a variant that was refused is -1.
     ranges : DataFrame
-        Over (cycle, quantity): ``best``, the value of the joint; ``low`` and ``high``, between
-        which 9 in 10 joints with random values lie; the same with other choices of the model too
-        (`WIDER`, the wider range); and the share of each source in the variance of the result
-        within the wider range, interactions included.
+        Over (cycle, quantity): ``best``, the value of the joint; ``low`` and ``high``, the ends of
+        the range in which 9 in 10 joints with random values lie; the ends of the wider range with
+        other choices of the model too (`WIDER`); and the share of each source in the variance of
+        the result within the wider range, interactions included.
     omitted : tuple of str
-        Sources taken as exact.
+        Names of sources that are not varied, because they are taken as exact.
     curves : DataFrame
-        The `stress_table` of the joint, with low and high of each of `CURVES`, and `WIDER` ends if
-        there are ``choices``. With flow, `RANGE_FLOW_STATUS` is the status of that variant of whose
-        flow least is known: where it gives bounds only, the hydraulic aperture has no range.
+        The `stress_table` of the joint, with low and high ends of the band of each of `CURVES`, and
+        `WIDER` ends if there are ``choices``. With flow, the column `RANGE_FLOW_STATUS` has the
+        status of the variant whose flow is known least: where only bounds of it are known, the
+        hydraulic aperture has no range.
     choices : tuple of str
         Descriptions of the choices of the model that were changed.
     numerical : DataFrame
@@ -125,14 +126,20 @@ class Budget(NamedTuple):
         return "\n".join([*self.tables(), *(f"- {line}" for line in [*self.sentences(), MEASURED])])
 
     def tables(self) -> list[str]:
-        """Format the results, and below them the ranges with other choices of the model."""
+        """Return the table of results with their ranges as text.
+
+        If choices of the model were changed, the title and the table of the wider ranges follow.
+        """
         lines = [self.table().to_string()]
         if self.choices:
             lines += [self.wider_title(), self.wider_table().to_string()]
         return lines
 
     def sentences(self) -> list[str]:
-        """Describe what the range is due to, and what it leaves out."""
+        """Return all sentences on the ranges: their sources, errors, and what they leave out.
+
+        Some of the sentences are cautions.
+        """
         closure = next(iter(RANGED_RESULTS))
         cycles = self.ranges.index.unique("cycle")
         shown = cycles if len(cycles) < 3 else cycles[[0, -1]]
@@ -163,7 +170,7 @@ class Budget(NamedTuple):
         return lines + self._left_out()
 
     def _left_out(self) -> list[str]:
-        """Name failed variants, and what is not varied in the range."""
+        """Return sentences on variants that failed, and on what is not varied in the range."""
         lines = []
         closure = next(iter(RANGED_RESULTS))
         failures = self.results.loc[self.results[closure].isna(), ["source", "value"]]
@@ -183,7 +190,7 @@ class Budget(NamedTuple):
         return lines
 
     def one_sided(self) -> list[str]:
-        """Name in one line the results that lie at an end of their range, and why they do."""
+        """Return a sentence on the results that lie at an end of their range; none without any."""
         names: dict[str, list[str]] = {}
         for (cycle, quantity), row in self.ranges.iterrows():
             best, low, high = row[["best", *ENDS]].astype(float)
@@ -204,9 +211,9 @@ class Budget(NamedTuple):
         ]
 
     def main_sentences(self) -> list[str]:
-        """Describe the range in a few lines: its sides, sources, errors, and what it leaves out.
+        """Return the main sentences on the ranges: sides, sources, errors, and what is left out.
 
-        Warnings are those of `sentences`, which has the details.
+        All cautions of `sentences`, which has the details, are among them.
         """
         closure = next(iter(RANGED_RESULTS))
         cycles = self.ranges.index.unique("cycle")
@@ -221,7 +228,7 @@ class Budget(NamedTuple):
         return lines + kept + self._left_out()
 
     def _undetermined(self) -> list[str]:
-        """Describe how many joints have no constant of a hyperbola, and why."""
+        """Return sentences on how many variants of the joint have no kni or Vm, and why."""
         lines = []
         for (cycle, rows), name in product(self.results.groupby("cycle"), FITTED):
             fitted = rows[rows[CLOSURE_NET].notna() & (rows.source != OTHER_RULE)]
@@ -236,7 +243,10 @@ class Budget(NamedTuple):
         return lines
 
     def _numerical_error(self, quantity: str) -> list[str]:
-        """Describe the numerical error of a result, and of which cycles it is not stable."""
+        """Return sentences on the numerical error of a result, and on cycles with unstable results.
+
+        There are none if the error is not known.
+        """
         known = self.numerical[self.numerical.quantity == quantity].dropna(subset="error")
         if known.empty:
             return []
@@ -268,7 +278,7 @@ class Budget(NamedTuple):
         return lines
 
     def _ends_at_limit(self, cycle: int, quantity: str, error: float) -> bool:
-        """Return whether a range ends at the limit of the numerical error of its result [1]."""
+        """Return whether the range of a result ends at the limit of its numerical ``error`` [1]."""
         if (cycle, quantity) not in self.ranges.index:
             return False
         row = self.ranges.loc[(cycle, quantity)]
@@ -276,7 +286,11 @@ class Budget(NamedTuple):
         return any(math.isclose(end, limit, rel_tol=1e-9) for end, limit in ends)
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
-        """Describe a joint whose best value is at the edge of those of random inputs."""
+        """Return a sentence if a result of the joint is at the edge of those with random inputs.
+
+        This is so if more than 85 % of the joints with random inputs lie on one side of it. The
+        sentence is a caution if all do.
+        """
         of_all = self.results.source == ALL
         drawn = self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
         best = self.ranges.loc[(cycle, quantity), "best"]
@@ -300,7 +314,10 @@ class Budget(NamedTuple):
         ]
 
     def record(self) -> list[dict]:
-        """Return `ranges` and numerical errors for JSON, one entry per cycle and quantity."""
+        """Return the ranges and numerical errors as a record for JSON.
+
+        There is an entry per cycle and quantity, with None in place of NaN.
+        """
         rows = self.ranges.astype(object).where(self.ranges.notna(), None)
         errors = limits_of_error(self.numerical)
         return [
@@ -315,11 +332,14 @@ class Budget(NamedTuple):
         ]
 
     def table(self) -> pd.DataFrame:
-        """Return the results as text, quantities over cycles."""
+        """Return the results with ranges as text: a row for each quantity, a column per cycle."""
         return table_of(self.ranges.index.unique("cycle"), self.text)
 
     def text(self, cycle: int, quantity: str) -> str:
-        """Format a result of the joint and its range with equal decimals: "0.18 (0.13 to 0.24)"."""
+        """Format a result of the joint and its range with equal decimals: "0.18 (0.13 to 0.24)".
+
+        The text is `NOT_MODELLED` or `UNDETERMINED` for a result that the joint does not have.
+        """
         if not self.modelled(cycle, quantity):
             return NOT_MODELLED
         row = self.ranges.loc[cycle, quantity]
@@ -329,13 +349,17 @@ class Budget(NamedTuple):
         return f"{first} ({low} to {high})"
 
     def wider_title(self) -> str:
-        """Return the title of `wider_table`, which names the choices."""
+        """Return the title of `wider_table`, with the choices of the model that were changed."""
         return f"range with other choices of the model ({', '.join(self.choices)})"
 
     def wider_table(self) -> pd.DataFrame:
-        """Return the ranges with other choices of the model as text, as in `table`."""
+        """Return the table of ranges with other choices of the model as text, laid out as `table`.
+
+        A text is empty if the result is not modelled or has no such range.
+        """
 
         def text(cycle: int, quantity: str) -> str:
+            """Format the wider range of a result, such as "0.10 to 0.31"."""
             row = self.ranges.loc[cycle, quantity]
             if not self.modelled(cycle, quantity) or np.isnan(row[WIDER].astype(float)).any():
                 return ""
@@ -344,13 +368,17 @@ class Budget(NamedTuple):
         return table_of(self.ranges.index.unique("cycle"), text)
 
     def modelled(self, cycle: int, quantity: str) -> bool:
-        """Return whether any variant has a result other than 0."""
+        """Return whether the model gives a result of a cycle at all.
+
+        This is so if the result of any variant exceeds the rounding of 0, or, for a residual
+        closure, `UNRESOLVED` of the net closure. It is also taken as so if all variants failed.
+        """
         rows = self.results[self.results.cycle == cycle].dropna(subset=quantity)
         least = UNRESOLVED * rows[CLOSURE_NET] if quantity == RESIDUAL_NET else ROUNDING
         return rows.empty or bool((rows[quantity].abs() > least).any())
 
     def about_shares(self) -> str:
-        """Say what a share of 100 % is, and why shares may add to more."""
+        """Return the explanation of shares: what 100 % is, and why they may add to more."""
         others = " and other choices of the model" if self.choices else ""
         wider = (
             "of the range with other choices of the model, and not of the narrower one: "
@@ -364,7 +392,11 @@ class Budget(NamedTuple):
         )
 
     def undetermined_shares(self, cycle: int, quantity: str) -> list[str]:
-        """Return the sources that move a result when changed alone, but seem to have no share."""
+        """Return the names of sources that move a result, but whose share was not found.
+
+        Changed alone, such a source moves the result by more than `MOVES` of the width of its
+        range, but its share is below `LEAST_SHARE`.
+        """
         row = self.ranges.loc[cycle, quantity]
         shares = row.drop(NUMBERS).dropna().astype(float)
         ends = row[[*ENDS, *WIDER]].astype(float)
@@ -378,7 +410,7 @@ class Budget(NamedTuple):
         ]
 
     def share_text(self, cycle: int, quantity: str, name: str) -> str:
-        """Format the share of a source, as "60 %" or "undetermined"."""
+        """Format the share of the source ``name`` in a result, as "60 %" or "undetermined"."""
         if name in self.undetermined_shares(cycle, quantity):
             return UNDETERMINED
         return f"{100.0 * self.ranges.loc[(cycle, quantity), name]:.0f} %"
@@ -388,7 +420,10 @@ class Budget(NamedTuple):
         return int(self.results[self.results.source == ALL].value.nunique())
 
     def _shares_text(self, cycle: int, quantity: str) -> str:
-        """Name the sources with at least half a percent of a range, as in "registration 60 %"."""
+        """Return the sources of the range of a result with their shares, as "registration 60 %".
+
+        They are those of at least half a percent, and then those with an undetermined share.
+        """
         shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna().astype(float)
         shown = shares[shares >= LEAST_SHARE].sort_values(ascending=False).index
         names = [*shown, *self.undetermined_shares(cycle, quantity)]
@@ -398,10 +433,11 @@ class Budget(NamedTuple):
 
 
 class _Answer(NamedTuple):
-    """What is read of a variant: rows of `Budget.results`, `stress_table`, and differences.
+    """What is read of a simulated variant of a joint.
 
-    ``differences`` are those of its first loading (`differences_of_loading`), if it has another
-    rule of steps than the joint.
+    ``rows`` are those of `Budget.results`, ``curves`` is its `stress_table`. ``differences`` are
+    how far its first loading differs from that of the joint (`differences_of_loading`), and empty
+    unless it is the variant with another rule of steps.
     """
 
     rows: pd.DataFrame
@@ -416,11 +452,13 @@ def uncertainty_budget(
     workers: int | None = None,
     at: Sequence[float] = (),
 ) -> Budget:
-    """Simulate the variants of a joint and return its uncertainty budget.
+    """Simulate a joint and its variants, in threads, and return the uncertainty budget.
 
-    Variants have one source changed, or random values of all sources. ``closed`` is the
-    history of the joint itself, if it is simulated already. ``on_variant`` receives the finished
-    share and the name of the variant. ``at`` are stresses [Pa] that curves have besides round ones.
+    ``closed`` is the history of the joint itself, which is simulated if it is not given, and must
+    not have failed. Variants that fail are left out of the ranges. ``on_variant`` is called in the
+    calling thread after each variant, with the finished share and the title of its source.
+    ``workers`` is the largest number of variants that are simulated at the same time, by default
+    the number of processors. ``at`` are stresses [Pa] that curves have besides round ones.
     """
     sources = joint.sources
     variants = [Variant("", "", joint.conditions), *joint.variants]
@@ -435,7 +473,7 @@ def uncertainty_budget(
     other_rule = OTHER_RULE if by_paper else "breakage"
 
     def answer_of(variant: Variant, going_on: StepReport) -> _Answer:
-        """Return what is read of a variant; values are unknown if it failed."""
+        """Simulate a variant and return what is read of it; NaN if it failed or was refused."""
         history = joint.simulated(variant, going_on) if variant.source else closed
         status = -1 if history is None else int(history.status)
         differences: dict[str, float] = {}
@@ -482,7 +520,7 @@ def uncertainty_budget(
 
 
 def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
-    """Describe the choices of the model that are not varied in the range, and their values."""
+    """Describe the choices of the model that are changed in the wider range only, with values."""
     lines = []
     for name, source in sources.items():
         if source.varied or source.kind == SHARED:
@@ -497,6 +535,10 @@ def _choices(sources: Mapping[str, Source]) -> tuple[str, ...]:
 
 
 def range_texts(best: float, low: float, high: float, figures: int = 2) -> list[str]:
-    """Format a result and the ends of its range, with equal decimals; 0 is what is rounding."""
+    """Format a result and the ends of its range with equal decimals, as three texts.
+
+    ``figures`` is the number of significant digits of the result. Values of up to `ROUNDING` count
+    as 0.
+    """
     values = [0.0 if abs(value) <= ROUNDING else value for value in (best, low, high)]
     return with_equal_decimals(values, figures)

@@ -43,13 +43,16 @@ NO_INTERACTION_COST = 0.7
 
 
 class Cost(NamedTuple):
-    """Estimated cost: smallest and largest processor time [s], and memory [bytes]."""
+    """Estimated cost of simulations: least and largest processor time [s], and memory [bytes]."""
 
     seconds: tuple[float, float]
     memory: float
 
     def sentence(self, shape: tuple[int, int], spacing: float) -> str:
-        """Describe the cost, and a coarser spacing that takes less."""
+        """Return a sentence on the cost of a joint, which advises a coarser spacing.
+
+        The joint has (ny, nx) cells with a ``spacing`` [m].
+        """
         ny, nx = shape
         low, high = (rough_time(seconds) for seconds in self.seconds)
         return (
@@ -59,10 +62,17 @@ class Cost(NamedTuple):
 
 
 def expected_cost(joint: UncertainJoint, workers: int | None = None) -> Cost | None:
-    """Estimate the cost of a joint and its variants; None for one of up to `SMALL` cells.
+    """Estimate the processor time and memory to simulate a joint and all its variants.
 
-    The time of a window of the walls is multiplied by the powers `EXPONENTS` of the number of
-    cells. ``workers`` of the variants are simulated at the same time.
+    None for a joint of up to `SMALL` cells, whose own simulation soon shows the time. Otherwise two
+    windows in the middle of its walls are simulated here, which takes seconds or longer: one of 16
+    cells a side, which compiles, and one of `WINDOW` cells, whose time is scaled to the joint by
+    the powers `EXPONENTS` of the number of cells. Variants are estimated from the joint by their
+    numbers of cells.
+
+    ``workers`` is the number of variants that are simulated at the same time, by default as many as
+    there are processors. It affects the memory only, because the time is that of all processors
+    together.
     """
     if joint.upper.size <= SMALL:
         return None
@@ -77,15 +87,19 @@ def expected_cost(joint: UncertainJoint, workers: int | None = None) -> Cost | N
 
 
 def seconds_of_range(joint: UncertainJoint, seconds: float) -> float:
-    """Estimate the processor time [s] of the variants of a joint that itself took ``seconds``."""
+    """Estimate the processor time [s] of all variants of a joint that itself took ``seconds``.
+
+    Nothing is simulated. The smaller one of `EXPONENTS` is used.
+    """
     return seconds * _variants_over_joint(joint, min(EXPONENTS))
 
 
 def _variants_over_joint(joint: UncertainJoint, power: float) -> float:
-    """Return the time of all variants over that of the joint [1].
+    """Return the time of all variants of a joint over the time of the joint itself [1].
 
-    The time is taken to grow with the ``power`` of the number of cells. That by the paper's steps
-    is left out, as it is a small share of that of a variant with resolved breakage.
+    Times are taken to grow with the ``power`` of the number of cells. The variant by the paper's
+    steps (`OTHER_RULE`) is left out, because it takes a small share of the time of a variant with
+    resolved breakage.
     """
     return sum(v.step ** (-2.0 * power) for v in joint.variants if v.source != OTHER_RULE)
 
@@ -93,9 +107,11 @@ def _variants_over_joint(joint: UncertainJoint, power: float) -> float:
 def seconds_of_joint(
     upper: np.ndarray, lower: np.ndarray, conditions: CheckedConditions
 ) -> tuple[float, float]:
-    """Estimate the smallest and largest processor time [s] of a joint of walls (y, x) [m].
+    """Estimate the least and the largest processor time [s] of a joint of two walls (y, x) [m].
 
-    A window of the walls is simulated, the whole of a small joint.
+    Two windows in the middle of the walls are simulated for it: one of 16 cells a side, which
+    compiles, and one of `WINDOW` cells a side, or the whole of a smaller joint. The time of the
+    second is scaled by powers of the number of cells (`EXPONENTS`), and by `SCATTER`.
     """
     time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
     seconds, cells = time_of_window(upper, lower, WINDOW, conditions)
@@ -108,7 +124,10 @@ def seconds_of_joint(
 
 
 def relative_cost(effects: Effects, numerics: Numerics) -> float:
-    """Estimate the time of a joint over that with the paper's steps and all effects [1]."""
+    """Estimate the time of a joint with some effects and numerics, relative to the paper's [1].
+
+    The paper's are fixed steps and all effects. Nothing is simulated: the factors were measured.
+    """
     if not effects.breakage:
         return NO_BREAKAGE_COST
     cost = 1.0
@@ -122,7 +141,11 @@ def relative_cost(effects: Effects, numerics: Numerics) -> float:
 def time_of_window(
     upper: np.ndarray, lower: np.ndarray, size: int, conditions: CheckedConditions
 ) -> tuple[float, int]:
-    """Return the processor time [s] to simulate the middle of two walls, and its cells."""
+    """Simulate a window in the middle of two walls (y, x) [m].
+
+    Return the processor time [s] and the number of cells of the window, which has up to ``size``
+    cells a side.
+    """
     window = window_of((upper, lower), size)
     start = time.process_time()
     simulate_walls(*window, conditions)
@@ -138,7 +161,7 @@ def window_of(pair: Walls, size: int) -> Walls:
 
 
 def rough_time(seconds: float) -> str:
-    """Format a rough time with one digit, in one unit."""
+    """Format a rough time [s] with one significant digit, in h, min or s, such as "3 min"."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= size:
             return f"{float(f'{seconds / size:.1g}'):g} {unit}"

@@ -34,25 +34,29 @@ from jointclosure.uncertainty.sources import ORDER
 
 
 class Weights(NamedTuple):
-    """How the expected error of a result follows from what is known of it."""
+    """Factors of the parts of the expected numerical error of a result, and of its limit."""
 
     least: float
-    """Expected error without any change and jump [1]."""
+    """Expected error of a result without any change, jump, difference and scatter [1]."""
     of_jump: float
-    """Expected error over the largest jump."""
+    """Factor of the largest jump."""
     of_change: float
-    """Expected error over the change of the result by other steps."""
+    """Factor of the change of the result by other steps."""
     limit: float
-    """Limit over the expected error."""
+    """Limit of the error over the expected error."""
     of_curve: float = 0.0
-    """Expected error over the difference of the first loading by another rule of steps."""
+    """Factor of the difference of the first loading by another rule of steps."""
     of_scatter: float = 0.0
-    """Expected error over the scatter of copies."""
+    """Factor of the scatter of copies of the joint."""
 
     def log_error(
         self, jump: float, change: float, curve: float = 0.0, scatter: float = 0.0
     ) -> float:
-        """Return the limit of the error, as the logarithm of a factor, from what is known [1]."""
+        """Return the limit of the numerical error, as the logarithm of a factor [1].
+
+        The arguments [1] are the largest jump, the change by other steps, the difference of the
+        first loading by another rule of steps, and the scatter of copies. NaN if one is NaN.
+        """
         expected = math.hypot(
             self.least,
             self.of_jump * jump,
@@ -71,13 +75,13 @@ WEIGHTS: Mapping[tuple[str, bool], Weights] = {
 }
 """Weights by result and by whether the cycle is the first one."""
 NOT_STABLE = 0.2
-"""Scatter of the results of a joint, as `log_scatter`, beyond which it is not stable [1]."""
+"""Scatter of results that should be equal (`log_scatter`) above which a joint is not stable [1]."""
 _SHARES = np.linspace(CHORD_START, 1.0, 21)
 """Stresses at which two loadings are compared, over the maximum."""
 
 
 def numerical_error(change: float, curve: float, jump: float, quantity: str, cycle: int) -> float:
-    """Return the numerical error of a result, over it, that about nine of ten joints keep.
+    """Return the limit of the numerical error of a result that about nine of ten joints keep.
 
     Parameters
     ----------
@@ -96,7 +100,7 @@ def numerical_error(change: float, curve: float, jump: float, quantity: str, cyc
     -------
     float
         Relative error [1], by which the result may be multiplied or divided: 0.5 stands for 1.5
-        times as much and 1.5 times as little. NaN if the change or the curve is.
+        times as much and 1.5 times as little. NaN if the change, the curve or the jump is NaN.
     """
     return math.expm1(WEIGHTS[quantity, cycle == 1].log_error(jump, change, curve=curve))
 
@@ -129,7 +133,10 @@ def differences_of_loading(joint: xr.Dataset, other: xr.Dataset) -> dict[str, fl
 
 
 def _first_loading(joint: xr.Dataset, maximum: float) -> np.ndarray:
-    """Return net closures [m] of the first loading up to a maximum [Pa], at `_SHARES` of it."""
+    """Return the net closures [m] of the first loading of a joint at `_SHARES` of a maximum [Pa].
+
+    Stresses that the loading did not reach are read at its largest stress.
+    """
     history = history_of(joint)
     loading = history.branch(1, LOADING)
     reached = float(history.stress[loading.steps].max())
@@ -137,10 +144,10 @@ def _first_loading(joint: xr.Dataset, maximum: float) -> np.ndarray:
 
 
 def log_scatter(values: Sequence[float]) -> float:
-    """Return the standard deviation of the logarithms of results that would be equal [1].
+    """Return the standard deviation of the logarithms of results that should be equal [1].
 
-    NaN stands for a simulation that failed, and does not count. The scatter is NaN for less than
-    two results, and if one is not positive.
+    NaN stands for a simulation that failed, and is left out. The standard deviation is NaN if fewer
+    than two results are left, or if one of them is not positive.
     """
     known = [value for value in values if math.isfinite(value)]
     if len(known) < 2 or min(known) <= 0.0:
@@ -149,7 +156,10 @@ def log_scatter(values: Sequence[float]) -> float:
 
 
 def log_change(value: float, other: float) -> float:
-    """Return the logarithm of another result over a result [1]; NaN unless both are positive."""
+    """Return the logarithm of the ratio of a result ``other`` to ``value`` [1].
+
+    NaN unless both are positive.
+    """
     return math.log(other / value) if value > 0.0 and other > 0.0 else math.nan
 
 
@@ -190,6 +200,9 @@ def numerical_errors_of(
 
 
 def limits_of_error(numerical: pd.DataFrame) -> dict[tuple[int, str], float]:
-    """Return the known numerical errors [1] of `numerical_errors_of` by cycle and quantity."""
+    """Return the numerical errors [1] in a table of `numerical_errors_of`, by (cycle, quantity).
+
+    Errors that are NaN are left out.
+    """
     known = numerical.dropna(subset="error")
     return {(row.cycle, row.quantity): row.error for row in known.itertuples()}

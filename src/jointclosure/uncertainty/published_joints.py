@@ -3,6 +3,7 @@
 ``published_joints.csv`` has the source, the way of reading and the range of each value.
 """
 
+import math
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +18,10 @@ ALL = "all"  # in the column ``joint``: a value that holds for all joints, or fo
 
 
 class Measured(NamedTuple):
-    """Measured value with its range, in the unit of the table; NaN where it is not known."""
+    """Measured value of a published joint with its range, in the unit of `published_joints.csv`.
+
+    A value is NaN where only its range is known.
+    """
 
     value: float
     low: float
@@ -26,10 +30,11 @@ class Measured(NamedTuple):
 
 @cache
 def _table() -> pd.DataFrame:
-    """Return the table of values (joint, quantity, value, low, high).
+    """Return the table of published values (joint, quantity, value, low, high).
 
-    Ratios of later stiffness to the first are added. Their ends are those of all joints, because it
-    is not recorded which joint has which stiffness.
+    Ratios of the stiffness of later loadings to that of the first are added as the quantity
+    ``stiffness_ratio``. Only their ranges are known, because the publications do not say which
+    joint has which stiffness on the first loading.
     """
     table = read_csv(_TABLE).astype({"joint": str})
     first = table[table.quantity == "first_stiffness"].iloc[0]
@@ -40,7 +45,11 @@ def _table() -> pd.DataFrame:
 
 
 def measured(quantity: str, joint: str = ALL) -> Measured:
-    """Return a measured value of a joint; a value without a range is its own range."""
+    """Return a measured value of one of the published joints, with its range.
+
+    If the quantity is not recorded for this ``joint``, it is the value that holds for all joints.
+    The ends of the range of a value without one are the value itself.
+    """
     table = _table()
     rows = table[(table.quantity == quantity) & table.joint.isin([joint, ALL])]
     row = rows.sort_values("joint").iloc[0]  # that of the joint before that of all
@@ -49,7 +58,19 @@ def measured(quantity: str, joint: str = ALL) -> Measured:
 
 
 def measured_range(quantity: str) -> tuple[float, float]:
-    """Return the smallest and the largest measured value of a quantity over the joints."""
+    """Return the smallest and the largest value of a quantity over the three published joints.
+
+    If no value is known, they are the ends of the recorded ranges.
+    """
     values = pd.DataFrame([measured(quantity, joint) for joint in JOINTS])
     known = values.value.dropna()
     return (known.min(), known.max()) if len(known) else (values.low.min(), values.high.max())
+
+
+def beyond_measured(ratio: float) -> bool:
+    """Return whether a stiffness ratio is finite and outside of the range of the published joints.
+
+    ``ratio`` is the stiffness of a later loading over the stiffness of the first one [1].
+    """
+    low, high = measured_range("stiffness_ratio")
+    return math.isfinite(ratio) and not low <= ratio <= high

@@ -38,7 +38,11 @@ RANGED_RESULTS = {
 
 
 def results_of(history: xr.Dataset) -> pd.DataFrame:
-    """Return a table of `RANGED_RESULTS` by cycle of a joint that did not fail."""
+    """Return the table of the results of a joint that have a range, a row for each cycle.
+
+    Its columns are ``cycle`` and those of `RANGED_RESULTS`, in the units of their names. The joint
+    must not have failed.
+    """
     table = cycle_table(history)
     stiffness = net_responses(history)["stiffness_net"]
     table[STIFFNESS] = 1e-9 * stiffness[table.cycle - 1]
@@ -48,6 +52,9 @@ def results_of(history: xr.Dataset) -> pd.DataFrame:
 
 
 def table_of(cycles: Iterable[int], text: Callable[[int, str], str]) -> pd.DataFrame:
-    """Arrange texts of results, quantities over cycles."""
+    """Return a table of texts of results: a row for each of `RANGED_RESULTS`, a column per cycle.
+
+    ``text`` returns the text of a result by its cycle and column.
+    """
     columns = {f"cycle {cycle}": [text(cycle, name) for name in RANGED_RESULTS] for cycle in cycles}
     return pd.DataFrame(columns, index=list(RANGED_RESULTS.values()))

@@ -1,23 +1,24 @@
 """Ranges of the results of a joint, and the share of each source in them.
 
 The range is due to what is not known of this joint: errors of the scans and of the numerics, the
-order of breakage, and properties whose ranges are stated. The change of a result is expected to be
-the sum of its changes with each source varied alone. The departures from it are those of joints
-that were simulated with random values of all these sources. The range is between the 5 and 95 %
-quantiles of the expected changes for further random values, which need no simulations, with
-departures of a further joint: Student's t of the few that are known (JCGM 101:2008). Changes of
-positive results are those of logarithms, those of a share are those of its odds. The range contains
-the joint itself.
+order of breakage, and properties whose ranges are stated. If all these sources change at once, the
+change of a result is expected to be the sum of its changes with each source varied alone. Joints
+that were simulated with random values of all sources depart from this sum. The expected changes are
+computed for many further sets of random values, which need no simulations, and to each of them a
+departure is added, which is drawn from Student's t distribution of the few departures that are
+known (JCGM 101:2008). The range lies between the 5 and 95 % quantiles of these changes, and
+contains the joint itself. Changes of a positive result are differences of its logarithm, and
+changes of a share are differences of the logarithm of its odds.
 
 Choices of the model, such as the grid spacing, hold for all joints. Each is changed alone; their
 effects are added in the wider range with other choices, centred on the usual ones. Half of the
-spacing is not simulated: its change is taken as opposite to that by twice the spacing.
+spacing is not simulated: its change is taken as opposite to the change by twice the spacing.
 
 The share of a source is its total index: the part of the variance that it takes part in, alone or
-together with others (Homma & Saltelli 1996). Variances of random sources are those among their
-draws, less that of the order of breakage, which is another one in any joint. What is then left of
-the departures is due to pairs of sources, in proportion to the products of their variances: of
-those that vary in the random joints, as departures from the others cannot arise there.
+together with others (Homma & Saltelli 1996). The variance by a random source is that among its
+draws, less the variance by the order of breakage, which is another one in every simulation. What
+these variances do not explain of the departures is attributed to pairs of sources, in proportion to
+the products of their variances. Only pairs of sources that vary in the random joints count.
 """
 
 from collections.abc import Collection, Mapping
@@ -54,12 +55,12 @@ Nine in ten of 34 pairs of known truth (seeds 2000 to 2042 of benchmarks/range_c
 them, because the sources do not contain all effects of noise and interpolation on cells that just
 touch."""
 WIDENED_OTHERS = 1.25
-"""The same for all other results. Without it 79 to 86 % of the closures, stiffnesses and Vm of the
-first cycle were in their ranges (43 pairs, seeds 3000 to 3053), and 83 % of the results of second
-cycles (34 pairs, seeds 2000 to 2042)."""
+"""Factor of the width of ranges of all other results. Without it 79 to 86 % of the closures,
+stiffnesses and Vm of the first cycle were in their ranges (43 pairs, seeds 3000 to 3053), and 83 %
+of the results of second cycles (34 pairs, seeds 2000 to 2042)."""
 _SAME = 1e-6  # relative difference of two numbers that are one result
 RANGE_FLOW_STATUS = "range_flow_status"
-"""Column of `Budget.curves` with the status of that variant of whose flow least is known."""
+"""Column of `Budget.curves` with the flow status of the variant whose flow is known least."""
 NUMBERS = ["best", *ENDS, *WIDER]
 """Columns of `Budget.ranges` other than shares of sources."""
 
@@ -71,12 +72,15 @@ def ranges_of(
     further_positions: np.ndarray,
     limits: Mapping[tuple[int, str], float] = {},
 ) -> pd.DataFrame:
-    """Compute `Budget.ranges` from `Budget.results`.
+    """Compute the ranges of the results of a joint (`Budget.ranges`) from those of its variants.
 
-    ``positions`` (draws, sources) are the random values, as for `Source.at`, of the joints
-    simulated with all sources at random (`ALL`), ``further_positions`` (n, sources) those of
-    further joints. A range is at least as wide as the limit of the numerical error of its result
-    (`limits_of_error`).
+    ``results`` are `Budget.results` without the joint by another rule of steps (`OTHER_RULE`).
+    ``positions`` (draws, sources), in [0, 1) as for `Source.at`, are those of the joints that were
+    simulated with all sources at random (`ALL`), in the order of these joints.
+    ``further_positions`` (n, sources) are those of joints whose results are only estimated.
+    ``limits`` [1] are numerical errors as from `limits_of_error`: a range contains its best value
+    times and divided by 1 plus the error. The share of cells in contact has the range of its odds,
+    so that it stays below 1.
     """
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
@@ -107,11 +111,11 @@ def _limit_of(
     limits: Mapping[tuple[int, str], float],
     cycle: int,
 ) -> float:
-    """Return the numerical error [1] that the range of a result contains; 0 if none is known.
+    """Return the numerical error of a result over the result [1]; 0 if it is not known.
 
-    The gross closure has the error [m] of the net one, besides an indentation that is known well.
-    So has the residual closure, besides an elastic recovery that is known well; where nothing
-    remains, there is no error.
+    Gross closure and residual closure have the error [m] of the net closure, because the
+    indentation and the elastic recovery by which they differ from it are known well. Their error is
+    0 if they are at most `UNRESOLVED` of the net closure, where nothing remains.
     """
     if quantity not in (CLOSURE_GROSS, RESIDUAL_NET):
         return limits.get((cycle, quantity), 0.0)
@@ -122,7 +126,10 @@ def _limit_of(
 
 
 def widening_of(quantity: str) -> float:
-    """Return the factor of the width of the range or band of a result."""
+    """Return the factor by which the range or band of a result is widened about the joint's value.
+
+    It is that of a word of `WIDENED` in the name of the result, or else `WIDENED_OTHERS`.
+    """
     return next((factor for word, factor in WIDENED.items() if word in quantity), WIDENED_OTHERS)
 
 
@@ -135,11 +142,14 @@ def _range_of(
     least: float | None = None,
     error: float = 0.0,
 ) -> dict[str, float]:
-    """Return a row of `Budget.ranges` from the results of the variants of each source.
+    """Return a row of `Budget.ranges`, for one result, from its values in the variants.
 
-    ``positions`` and ``further_positions`` are as for `ranges_of`; ``quantity`` is the name of the
-    result. Changes are factors if the ``least`` result, by default of the variants, is positive.
-    Ranges are widened about the joint (`widening_of`), and contain its numerical ``error`` [1].
+    ``values`` are arrays by source, with that of the joint itself under "", which is removed from
+    them. ``positions`` and ``further_positions`` are as for `ranges_of`; ``quantity`` is the name
+    of the result. Changes are taken as factors if the ``least`` value, by default that of all
+    variants, is positive, else as differences. The ranges are widened about the joint
+    (`widening_of`), and contain its numerical ``error`` [1]. All is NaN if no variant has the
+    result.
     """
     best = float(values.pop("")[0])
     known = np.concatenate([[best], *values.values()])
@@ -196,9 +206,10 @@ def _range_of(
 def _by_inverse_multiple(best: float, by_multiple: float, factors: bool, quantity: str) -> float:
     """Return the result that is expected with the inverse of a multiple, which is not simulated.
 
-    The change is opposite to that by the multiple. That of an aperture is a difference, as an
-    aperture is that at seating less the net closure, and no factor limits it; others are factors
-    (``factors``) or differences.
+    ``best`` is the result with the usual value of a source, ``by_multiple`` that with a multiple of
+    it. The expected change is opposite to the change by the multiple: as a factor with ``factors``,
+    else as a difference. The change of an aperture is a difference with ``factors`` too, as long as
+    the result is positive, because an aperture is that at seating less the net closure.
     """
     opposite = 2.0 * best - by_multiple
     is_aperture = any(word in quantity for word in APERTURES)
@@ -209,7 +220,11 @@ def _by_inverse_multiple(best: float, by_multiple: float, factors: bool, quantit
 
 @lru_cache
 def _student_t(count: int, freedom: int) -> np.ndarray:
-    """Return quantiles (count,) of Student's t at equal probabilities, in random order."""
+    """Return quantiles (count,) of Student's t with ``freedom`` degrees of freedom.
+
+    They are at evenly spaced probabilities, in a random order that is the same in each call.
+    Callers must not change the array, which is kept.
+    """
     order = generator(seed_of(1, "departures")).permutation(count)
     return scipy.stats.t.ppf((order + 0.5) / count, freedom)
 
@@ -217,7 +232,10 @@ def _student_t(count: int, freedom: int) -> np.ndarray:
 def _sum(
     changes: Mapping[str, np.ndarray], sources: Mapping[str, Source], varied: bool
 ) -> np.ndarray:
-    """Return the sum of the changes (n,) by sources that are varied in the range, or not."""
+    """Return the sum (n,) of the changes of a result by those sources whose `varied` is as stated.
+
+    It is 0 if there are no such sources.
+    """
     chosen = [values for name, values in changes.items() if sources[name].varied == varied]
     return np.sum(chosen, axis=0) if chosen else np.zeros(next(iter(changes.values())).shape)
 
@@ -226,7 +244,7 @@ _LIMIT_OF_BAND = {
     "closure_net_since_seating_mm": CLOSURE_NET,
     "normal_stiffness_net_MPa_per_mm": STIFFNESS,
 }
-"""Result whose numerical error a band contains at each stress, by column of `stress_table`."""
+"""Result whose numerical error the band of a curve contains, by column of `stress_table`."""
 _AT_MAXIMUM = {"closure_net_since_seating_mm": CLOSURE_NET, "mean_aperture_mm": APERTURE}
 """Result that a curve has at the maximum stress of its cycle, by column of `stress_table`."""
 
@@ -236,8 +254,9 @@ def _limit_on_branch(
 ) -> float:
     """Return the numerical error [1] of a curve of `stress_table` on a branch of a cycle.
 
-    Unloading breaks nothing. Its stiffness has the error of the loading after it, which it equals,
-    and not that of the loading before it, in which asperities break.
+    ``name`` is the column of the curve. Curves without a known error have 0. As unloading breaks
+    nothing, its stiffness equals that of the next loading, and has the error of the next cycle, if
+    this is known: not that of the loading before it, in which asperities break.
     """
     result = _LIMIT_OF_BAND.get(name, "")
     of_cycle = limits.get((cycle, result), 0.0)
@@ -254,11 +273,13 @@ def bands_of(
     limits: Mapping[tuple[int, str], float] = {},
     ranges: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
-    """Compute `Budget.curves` from `stress_table` of all variants; arguments as for `ranges_of`.
+    """Compute the curves of a joint with bands (`Budget.curves`) from those of its variants.
 
-    If any source is a choice of the model, there are also the bands with these (`WIDER`). With the
-    ``ranges`` of the results (`ranges_of`) a band ends in the range of the result that its curve
-    has at the maximum stress of the cycle, so that this result has one range.
+    ``curves`` are the `stress_table` of all variants in one, with the column ``source``, "" for the
+    joint; other arguments are as for `ranges_of`. Bands are ranges at each stress, made monotone
+    along the stress. If any source is a choice of the model, there are also the wider bands with
+    other choices (`WIDER`). Net closure and mean aperture at the maximum stress of a cycle are
+    results too: if their ``ranges`` (from `ranges_of`) are given, their bands end in these ranges.
     """
     with_choices = any(not of.varied and of.kind != SHARED for of in sources.values())
     ends = [*ENDS, *WIDER] if with_choices else ENDS
@@ -316,10 +337,12 @@ def bands_of(
 
 
 def _within_bounds(bands: pd.DataFrame) -> pd.DataFrame:
-    """Return bands of which that of the hydraulic aperture ends within those of its bounds.
+    """Return bands in which the band of the hydraulic aperture is limited by its two bounds.
 
-    The hydraulic aperture of a joint lies between its two bounds, whatever the inputs are. A change
-    that is assumed for a variant that was not simulated can exceed them.
+    Its low end is at least the low end of the band of the lower bound, its high end at most the
+    high end of the band of the upper bound. The hydraulic aperture of a joint lies between its
+    bounds, whatever the inputs are, but the change that is assumed for a variant that was not
+    simulated can exceed them.
     """
     limited = {}
     for bound, limit, sides in (
@@ -335,9 +358,13 @@ def _within_bounds(bands: pd.DataFrame) -> pd.DataFrame:
 
 
 def _departures(drawn: np.ndarray, sums: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return the slope of changes (draws,) over expected ``sums``, and departures from the line.
+    """Return how much of the expected changes joints with random values show, and departures.
 
-    The slope is at most 1, because sources with the same effect do not add up.
+    ``drawn`` (draws,) are the changes of a result in these joints, NaN for those that failed, and
+    ``sums`` (draws,) the sums of the changes expected by source. The first value is the slope of
+    the changes over the sums: at least 0, and at most 1, because sources with the same effect do
+    not add up. The departures are the changes less the slope times the sums, without joints that
+    failed. With fewer than two joints the slope is 1, and the only departure is 0.
     """
     known = np.isfinite(drawn)
     drawn = drawn[known]
@@ -356,11 +383,12 @@ def total_indices(
     departures: float,
     fixed: Collection[str] = (),
 ) -> dict[str, float]:
-    """Return the total index of each source in the variance of a result (see the module).
+    """Return the total index of each source in the variance of a result (see the module) [1].
 
-    ``alone`` are the variances by each source, ``random`` the changes of the result in the draws of
-    each random source, and ``departures`` is the variance of the departures, in joints in which the
-    ``fixed`` sources did not vary.
+    ``alone`` are the variances of the expected changes by each source, ``random`` the changes of
+    the result in the draws of each random source, NaN for failed ones. ``departures`` is the
+    variance of the departures, in joints in which the ``fixed`` sources did not vary. All are NaN
+    if there is no variance.
     """
     scatter = {}
     for name, values in random.items():

@@ -50,21 +50,22 @@ from jointclosure.walls.wall_files import Wall, registered_walls
 from jointclosure.walls.wall_roughness import joint_jrc
 
 ANNOUNCED = 10.0
-"""Expected processor time [s] of a range from which it is stated before."""
+"""Expected processor time [s] of a range above which `close` states it beforehand."""
 
 
 _STOPPED = caution("the range was stopped: these are results of the joint alone")
 
 
 class ClosedJoint(NamedTuple):
-    """Two scanned walls after registration and closure.
+    """Simulated joint of two scanned walls, as `jointclosure.close` returns it.
 
-    ``pair`` has the walls that were closed, and describes their registration in its ``remarks``;
-    ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock is given
-    only by its properties. ``budget`` is the range of the results; None for a single run. ``at``
-    are stresses [Pa] that ``curves`` have besides round ones. ``lab_length`` [m] is the length of
-    the laboratory joint to which the JRC of the walls and the strength refer, and ``joint_length``
-    [m] that of the joint in the rock mass to which ``laws`` are scaled; None if they are not.
+    ``pair`` has the registered walls that were closed, and describes their registration in its
+    ``remarks``. ``history`` is as from `jointclosure.simulate`. ``rock_name`` is "rock" if the rock
+    is given only by its properties. ``budget`` has the ranges of the results; it is None for a
+    single run, a joint that failed, and a range that was interrupted. ``at`` are stresses [Pa] that
+    ``curves`` have besides round ones. ``lab_length`` [m] is the length of the laboratory joint to
+    which the JRC of the walls and the strength refer. ``joint_length`` [m] is the length of the
+    joint in the rock mass to which ``laws`` are scaled, None if they are not scaled.
     """
 
     pair: RegisteredPair
@@ -78,10 +79,10 @@ class ClosedJoint(NamedTuple):
 
     @property
     def curves(self) -> pd.DataFrame:
-        """Closure, stiffness, aperture and flow over stress, with bands if they are known.
+        """Table of closure, stiffness, aperture and flow over stress, with bands if known.
 
-        They are those of `jointclosure.joint.result_tables.stress_table` at round stresses and the
-        named ones.
+        It is as from `jointclosure.joint.result_tables.stress_table`, at round stresses and those
+        of `at`.
         """
         if self.budget is not None:
             return self.budget.curves
@@ -98,7 +99,7 @@ class ClosedJoint(NamedTuple):
         )
 
     def __str__(self) -> str:
-        """Return the line of `repr`, and below it the range of all results and its reasons."""
+        """Return the line of `repr`, and below it the ranges of all results with their sources."""
         return repr(self) if self.budget is None else f"{self!r}\n{self.budget}"
 
     @property
@@ -108,7 +109,7 @@ class ClosedJoint(NamedTuple):
 
     @property
     def laws(self) -> JointLaws:
-        """Laws of Barton and Bandis for the JRC of the walls and the strength of the weaker one."""
+        """Laws of Barton and Bandis of the joint, with the lower strength of the two rocks."""
         jrc = joint_jrc((self.pair.upper, self.pair.lower), self.pair.spacing)
         strength = min(wall.compressive_strength for wall in self.conditions.rock)
         seating = float(self.history.attrs["seating_stress_Pa"])
@@ -116,7 +117,7 @@ class ClosedJoint(NamedTuple):
         return laws_of_joint(jrc, strength, seating, self.conditions.cycle_count, *lengths)
 
     def _closures_text(self, column: str, table: pd.DataFrame) -> str:
-        """Format a closure of each cycle, with its range if that is known."""
+        """Format the closures of all cycles in a ``column`` [mm], with their ranges if known."""
         if self.budget is None:
             return ", ".join(f"{value:.4g}" for value in table[column])
         return ", ".join(self.budget.text(cycle, column) for cycle in table.cycle)
@@ -149,9 +150,9 @@ def close(
     """Register two scanned walls, and simulate the joint under load cycles with a range of results.
 
     Without ``conditions`` breakage is resolved, unless ``numerics`` are given; ``conditions`` keep
-    their numerics, by default the paper's steps, which `jointclosure.simulate` has too. Both give
-    other results for the same walls (docs/reference.md#steps-of-breakage has the size of the
-    difference).
+    their numerics, by default the paper's steps, which `jointclosure.simulate` has too. Resolved
+    breakage and the paper's steps give different results for the same walls
+    (docs/reference.md#steps-of-breakage has the size of the difference).
 
     Parameters
     ----------
@@ -201,6 +202,8 @@ def close(
     Returns
     -------
     ClosedJoint
+        Registered walls, history and ranges of the results. A joint whose simulation failed has a
+        status of 16 or more in its history, and no ranges.
 
     Raises
     ------
@@ -208,6 +211,9 @@ def close(
         If a file cannot be read, units are not stated, no orientation of the walls fits clearly
         best, the walls do not overlap, `registered` refuses the pair, or a number is out of its
         range.
+    TypeError
+        If a keyword is unknown, or without ``conditions`` the rock or the maximum stress is
+        missing.
     """
     stated = conditions_from(conditions, changes, "close", defaults=SCAN_DEFAULTS)
     checked = checked_as_stated(stated, snapshots)
@@ -278,7 +284,7 @@ def _joint_and_variants(
     ranges: Mapping[str, tuple[float, float]],
     single: bool,
 ) -> UncertainJoint:
-    """Return the joint of a registered pair, with the variants of its range unless ``single``."""
+    """Return the joint of a registered pair, with its sources and variants unless ``single``."""
     if single:
         return UncertainJoint(pair.upper, pair.lower, conditions)
     errors, finest = pair.errors, pair.finest[:2]
@@ -288,9 +294,11 @@ def _joint_and_variants(
 def _run_with_holes(
     simulation: Simulation, pair: RegisteredPair, report: StepReport | None, progress: bool
 ) -> tuple[xr.Dataset, float, list[str]]:
-    """Run a simulation; return history, processor time [s], and remarks on holes of the scans.
+    """Run a simulation; return the history, the processor time [s], and remarks on holes of scans.
 
-    Of the force on holes there is a snapshot at the largest stress, which the history gives up.
+    If the scans have holes, a snapshot at the largest stress is added to those of ``simulation``,
+    in place, to read the force on holes. The returned history is without it. Without holes there
+    are no remarks.
     """
     if not pair.holes.any():
         return *_timed_run(simulation, report, progress), []
@@ -304,7 +312,10 @@ def _run_with_holes(
 def _timed_run(
     simulation: Simulation, report: StepReport | None, progress: bool
 ) -> tuple[xr.Dataset, float]:
-    """Run a simulation; return the history of the joint and the processor time [s]."""
+    """Run a simulation; return the history of the joint and the processor time [s].
+
+    With ``progress`` a bar is shown on a terminal, in place of calls of ``report``.
+    """
     start = time.process_time()
     cycles = simulation.conditions.cycle_count
     with load_cycle_bar(cycles) if progress else nullcontext(report) as watch:
@@ -319,7 +330,10 @@ def _budget_or_none(
     workers: int | None,
     progress: bool,
 ) -> Budget | None:
-    """Return the range of the results of a joint; None if it was interrupted with ``progress``."""
+    """Simulate the variants of a joint and return its budget.
+
+    If it is interrupted, the result is None with ``progress``; else `KeyboardInterrupt` is raised.
+    """
     try:
         with bar("range") if progress else nullcontext(_no_bar) as show:
             return uncertainty_budget(joint, history, show, workers, at)
@@ -330,9 +344,10 @@ def _budget_or_none(
 
 
 class _Remarks:
-    """Remarks of `close` on its way: printed lines, or warnings of doubts and costs among them.
+    """Function that makes the remarks of `close` known while it runs.
 
-    ``unusual_values`` silence the warnings of doubts, and not those of costs.
+    Either all lines are ``printed``, or the doubts and costs among them are issued as warnings. If
+    ``unusual_values`` are accepted, there are no warnings of doubts, but still those of costs.
     """
 
     def __init__(self, printed: bool, unusual_values: bool) -> None:
@@ -346,6 +361,7 @@ class _Remarks:
         costs: Sequence[str] = (),
         heading: str = "",
     ) -> None:
+        """Print ``lines`` below a ``heading``, or warn of the ``doubts`` and ``costs``."""
         if self.printed:
             first = [f"{heading}\n"] if heading else []
             print("".join([*first, *(f"- {line}\n" for line in lines)]), end="", flush=True)
@@ -359,7 +375,7 @@ def _no_bar(share: float, variant: str) -> None:
 
 
 def _description(pair: RegisteredPair, conditions: CheckedConditions, rock_name: str) -> str:
-    """Describe rock, cells and size of a joint, which need not be simulated yet."""
+    """Describe the rock, cells and size of the joint of a registered pair."""
     ny, nx = pair.upper.shape
     step = 1e3 * pair.spacing
     cells = grid_text((ny, nx), pair.spacing)
@@ -368,13 +384,19 @@ def _description(pair: RegisteredPair, conditions: CheckedConditions, rock_name:
 
 
 def _about_cost(joint: UncertainJoint, workers: int | None) -> list[str]:
-    """State the expected cost of a joint and its range, if the joint is large."""
+    """Return a sentence on the expected cost of a joint and its range; none for a small joint.
+
+    Windows of a large joint are simulated for it (`expected_cost`).
+    """
     cost = expected_cost(joint, workers)
     return [cost.sentence(joint.upper.shape, joint.conditions.grid_spacing)] if cost else []
 
 
 def _about_time_of_range(joint: UncertainJoint, seconds: float) -> list[str]:
-    """State the time of a range, if it is long, from the time [s] that the joint itself took."""
+    """Return a sentence on the time of the range of a joint; none if it is at most `ANNOUNCED`.
+
+    It is estimated from the processor time ``seconds`` that the joint itself took.
+    """
     of_range = seconds_of_range(joint, seconds)
     if of_range <= ANNOUNCED:
         return []
@@ -385,7 +407,10 @@ def _about_time_of_range(joint: UncertainJoint, seconds: float) -> list[str]:
 
 
 def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
-    """State the noise of each scan, and what keeps the walls apart at the shortest waves."""
+    """Return sentences on the noise of each scan, and on how far both walls together depart.
+
+    The latter is at the shortest waves of the grid, and left out if ``errors`` have no noise.
+    """
     lines = []
     for side, low, high in pair.scan_noise:
         if high <= 0.0:
@@ -415,10 +440,11 @@ def _about_noise(pair: RegisteredPair, errors: ScanErrors | None) -> list[str]:
 
 
 def _force_in_holes(pair: RegisteredPair, history: xr.Dataset, largest: float) -> list[str]:
-    """State the force on holes at the largest stress [Pa], or at the highest that was reached.
+    """Return a sentence on the force on holes of a scan; a caution if they carry any.
 
-    It is that of the snapshots, of which a joint that failed may have none, or only one that
-    carries no force.
+    It is at the highest stress of a snapshot of the ``history`` that was reached, which for a joint
+    that did not fail is the ``largest`` [Pa]. A joint that failed may have no snapshot, or only
+    ones without force.
     """
     stresses = history.snapshot_stress.values
     forces = history.snapshot_force.values

@@ -39,7 +39,7 @@ TITLES = {
     "base_radius_in_cells": "base radius",
     "peaks": "choice of soft peaks",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
-"""Sources of uncertainty by name."""
+"""Titles of the sources of uncertainty, by name."""
 COARSER = 2  # spacing of the coarser grid, over that of the joint
 VARIED = {name: key_of(name) for name in OF_ROCK} | {
     "peak_modulus_ratio": "peak_modulus_ratio",
@@ -49,19 +49,21 @@ VARIED = {name: key_of(name) for name in OF_ROCK} | {
 """Sources whose range can be stated, and their keys with units."""
 ALL = "all together"  # source of the variants in which all sources have random values
 MULTIPLE = "multiple"
-"""Kind of a source with the value of the joint, a multiple of it, or its inverse. Its changes are
-those by the inverse, which is not simulated, and by the multiple."""
-SHARED = "shared"  # kind of a source whose second value all variants have
+"""Kind of a source whose value is that of the joint, a multiple of this, or this divided by the
+multiple. A variant has the multiple; the division is not simulated, but its changes are expected
+from those by the multiple."""
+SHARED = "shared"  # kind of a source whose second value all variants have, unlike the joint
 
 
 class Source(NamedTuple):
-    """A source of uncertainty, by its kind.
+    """A source of uncertainty of a joint, and the values that it may have.
 
-    ``values`` are the ends of a "range", the alternatives of a "choice" with that of the joint
-    first, or the draws of a "random" source with that of the joint (none) first. All variants of
-    other sources have the second value of a "shared" source, and are compared with the joint that
-    differs by it alone. A source that is not ``varied`` is a choice of the model: it is changed
-    alone, and is no part of the range.
+    ``values`` depend on the ``kind``. They are the lowest and the highest value of a "range", the
+    alternatives of a "choice", or the numbers of the draws of a "random" source. All but a range
+    begin with the value of the joint, which for a random source is no draw. The second value of a
+    "shared" source holds in the variants of all other sources, which are compared with the variant
+    that differs from the joint by it alone. `MULTIPLE` is a kind too. A source that is not
+    ``varied`` is a choice of the model: it is changed alone, and is no part of the range.
     """
 
     values: tuple
@@ -70,7 +72,12 @@ class Source(NamedTuple):
     usual: float = 0.5  # position in a "range" at which the joint lies
 
     def at(self, position: float) -> Any:
-        """Return the value at a position, in [0, 1), of its range or of its alternatives."""
+        """Return the value of the source at a position in [0, 1).
+
+        In a range it is by the logarithm if the lowest value is positive. A choice has equal parts
+        of [0, 1) for its alternatives. A random source has another draw at each position. Sources
+        that are shared or multiples have no value by position.
+        """
         if self.kind == "random":
             return len(self.values) + int(position * 2**32)  # another draw
         if self.kind == "choice":
@@ -79,7 +86,12 @@ class Source(NamedTuple):
         return low * (high / low) ** position if low > 0.0 else low + position * (high - low)
 
     def changes_at(self, changes: np.ndarray, positions: np.ndarray) -> np.ndarray:
-        """Return expected changes of a result at positions (n,), from those at each value (k,)."""
+        """Return the changes (n,) of a result that are expected at positions (n,) in [0, 1).
+
+        ``changes`` (k,) are the changes at the values other than that of the joint, NaN, which
+        counts as 0, for a variant that failed. In a range they are linear to either end from the
+        joint, and with a shared source to either sign of its change. Random sources have 0 here.
+        """
         if self.kind == "random":
             return np.zeros(positions.shape)
         changes = np.nan_to_num(changes)  # what is not known counts as 0
@@ -98,10 +110,11 @@ def sources_of(
     ranges: Mapping[str, tuple[float, float]] = {},
     errors: ScanErrors | None = None,
 ) -> dict[str, Source]:
-    """Return the sources of uncertainty of a joint of (ny, nx) cells by name.
+    """Return the sources of uncertainty of a joint of (ny, nx) = ``shape`` cells, by name.
 
-    ``ranges`` are stated ranges [SI] of sources in `VARIED`, ``errors`` those of scanned walls.
-    Raise `InputError` if a range is not allowed.
+    Sources without an effect on the joint are left out. ``ranges`` (lowest, highest) [SI] are
+    stated for sources in `VARIED`, and ``errors`` are those of scanned walls, None for exact walls.
+    Raise `InputError` if a range is not allowed (`check_ranges`).
     """
     check_ranges(conditions, ranges)
     effects = conditions.effects
@@ -152,7 +165,10 @@ def sources_of(
 
 
 def coarser(numerics: Numerics, factor: float) -> Numerics:
-    """Return numerics with the tolerance and the steps that act multiplied by a factor."""
+    """Return numerics with the tolerance and the sizes of steps multiplied by a ``factor``.
+
+    Settings without effect on joints with all effects stay as they are.
+    """
     effects, choices = Effects(), Choices()
     scaled = {
         name: factor * getattr(numerics, name)
@@ -163,19 +179,23 @@ def coarser(numerics: Numerics, factor: float) -> Numerics:
 
 
 def by_paper_steps(numerics: Numerics) -> Numerics:
-    """Return numerics with the rule and the sizes of the paper's steps, else as they are."""
+    """Return numerics with the paper's rule and sizes of steps; other settings stay."""
     usual = Numerics()._asdict()
     sizes = {name: usual[name] for name in _step_sizes()}
     return numerics._replace(breakage=usual["breakage"], **sizes)
 
 
 def _step_sizes() -> list[str]:
-    """Return the names of the sizes of steps in `Numerics`."""
+    """Return the names of the fields of `Numerics` that are sizes of steps [m]."""
     return [name for name in Numerics._fields if "_step" in name and "most" not in name]
 
 
 def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Source:
-    """Return the source of a number between two ends, which are moved to contain the joint's."""
+    """Return a source of kind "range" from two ends, which are moved to contain the joint's value.
+
+    ``varied`` is as for `Source`. The position of the joint follows by logarithms if all values are
+    positive.
+    """
     low = min(joint, ends[0])
     high = max(joint, ends[1])
     part = (
@@ -185,9 +205,12 @@ def _range_about(joint: float, ends: tuple[float, float], varied: bool) -> Sourc
 
 
 def check_ranges(conditions: CheckedConditions, ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Raise `InputError` if a range is not allowed for checked conditions.
+    """Raise `InputError` if a stated range of a source is not allowed.
 
-    A range of the spacing is compared with that of the joint's grid if this is known.
+    Each must be two ascending numbers [SI] for a name in `VARIED`, allowed for the conditions, and
+    contain the value of the joint. Ranges of properties of rock need both walls of one rock. A
+    range of the spacing must begin at the spacing of the joint's grid and end at about twice of it
+    or more; it is not checked further if the grid is not known yet.
     """
     first, second = conditions.rock
     for name, ends in ranges.items():

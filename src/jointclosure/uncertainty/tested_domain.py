@@ -6,7 +6,7 @@ from jointclosure.walls.registered_pair import RegisteredPair
 
 
 class Domain(NamedTuple):
-    """Largest rotation and tilt [degrees] of the upper scan, and largest noise [m] of each scan.
+    """Largest rotation and tilt [degrees] of the upper wall, and largest noise [m] of each scan.
 
     Rotations count from the nearest quarter turn, which lays the nodes of a grid on nodes.
     """
@@ -17,14 +17,14 @@ class Domain(NamedTuple):
 
 
 TESTED = Domain(rotation=7.0, tilt=3.0, noise=15e-6)
-"""Pairs of known truth of benchmarks/range_coverage.py, by which ranges of apertures and
-transmissivity were tested."""
+"""Domain of the pairs of walls, with known truth, on which the ranges of apertures and
+transmissivity were tested (benchmarks/range_coverage.py)."""
 
 
 def beyond_tested(pair: RegisteredPair) -> list[str]:
-    """Say in a sentence by what registered walls are outside of the `TESTED` domain, if they are.
+    """Return a sentence on how registered walls are outside of the `TESTED` domain; none if inside.
 
-    Noise is beyond it if its 95 % interval is.
+    Noise is outside if the low end of its 95 % interval is above the largest tested noise.
     """
     rotation = abs((pair.motion.angle + 45.0) % 90.0 - 45.0)
     reasons = []

@@ -21,13 +21,14 @@ CELLS = 2_000_000  # of all joints that are simulated at the same time; each cel
 
 
 class UncertainJoint(NamedTuple):
-    """A joint, the sources of its uncertainty and the variants that follow from them.
+    """A joint, the sources of its uncertainty, and the variants that follow from them.
 
-    ``upper`` and ``lower`` are its walls (y, x) [m], ``conditions`` as `Conditions.checked` returns
-    them with the grid spacing. ``errors`` are those of scanned walls. ``sources`` are by name;
-    a joint without a range has no sources and no ``variants``. ``finest`` are the walls (y, x) [m]
-    to which the errors refer: by default ``upper`` and ``lower``, or walls on the finer grid of
-    scans that do not resolve it (`jointclosure.walls.registered_pair.FineWalls`).
+    ``upper`` and ``lower`` are its walls (y, x) [m]. ``conditions`` are as `Conditions.checked`
+    returns them, with the grid spacing. ``errors`` are those of scanned walls, None for exact ones.
+    ``sources`` are by name. A joint without a range has no sources and no ``variants``. ``finest``
+    are the walls (y, x) [m] to which the errors refer: by default ``upper`` and ``lower``, or walls
+    on a finer grid if the scans do not resolve that grid
+    (`jointclosure.walls.registered_pair.FineWalls`).
     """
 
     upper: np.ndarray
@@ -40,13 +41,14 @@ class UncertainJoint(NamedTuple):
 
     @property
     def cells(self) -> int:
-        """Number of cells of its largest variant."""
+        """Number of cells of the largest variant of the joint."""
         return max(self.upper.size, self.errors.cells if self.errors else 0)
 
     def simulated(self, variant: Variant, report: StepReport | None = None) -> xr.Dataset | None:
-        """Simulate a variant and return its history, or None if the variant is refused.
+        """Simulate a variant of the joint and return its history, or None if it is refused.
 
-        It is refused if its values do not fit each other, or if it needs more steps than allowed.
+        A variant is refused if its values do not fit each other, or if it is foreseen to need more
+        steps than allowed. A variant that fails on its way is returned, with its status.
         """
         with suppress(InputError):
             walls = variant.walls(*(self.finest or (self.upper, self.lower)), self.errors)
@@ -62,10 +64,11 @@ def uncertain_joint(
     errors: ScanErrors | None = None,
     finest: Walls | None = None,
 ) -> UncertainJoint:
-    """Return a joint with its sources of uncertainty and variants; arguments as for its fields.
+    """Return a joint with its sources of uncertainty and variants, of which none is simulated yet.
 
-    ``ranges`` are stated ones of `jointclosure.uncertainty.sources.VARIED`; `InputError` if one is
-    not allowed.
+    The arguments are as for the fields of `UncertainJoint`. ``ranges`` (lowest, highest) [SI] are
+    stated for names of `jointclosure.uncertainty.sources.VARIED`. Raise `InputError` if one is not
+    allowed.
     """
     sources = sources_of(conditions, upper.shape, ranges, errors)
     variants = tuple(variants_of(conditions, sources))
@@ -73,5 +76,9 @@ def uncertain_joint(
 
 
 def threads_for(cells: int, workers: int | None = None) -> int:
-    """Return the number of joints of so many cells that are simulated at the same time."""
+    """Return how many joints of so many ``cells`` are simulated at the same time, at least 1.
+
+    They are ``workers``, by default the number of processors, but have at most `CELLS` together.
+    Raise `InputError` for fewer than one worker.
+    """
     return max(1, min(number_of_workers(workers), CELLS // cells))

@@ -1,10 +1,10 @@
-"""Simulations of a joint with other values of what is not known of it, or chosen by the model.
+"""Variants of a joint: other values of what is not known of it, or of what the model chooses.
 
-Each source of uncertainty is varied alone. Then those that the range is due to are varied together:
-12 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979). Choices of
-the model without a stated range keep their usual values in these. Random numbers of a source do not
-depend on the other sources. With resolved breakage all variants have twice the tolerance, which
-shortens their time and hardly changes the effect of a source.
+Each source of uncertainty is varied alone. Then the sources to which the range is due are varied
+together: 12 joints have random values, drawn as a Latin hypercube (McKay, Beckman & Conover 1979).
+Choices of the model without a stated range keep their usual values in these. Random numbers of a
+source do not depend on the other sources. With resolved breakage all variants have twice the
+tolerance, which shortens their time and hardly changes the effect of a source.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -29,8 +29,9 @@ from jointclosure.walls.scan_errors import ScanErrors
 
 RANDOM_JOINTS = 12  # that are simulated with random values of all sources
 SEED = 1796
-"""Seed of their random values: of the first 4,000 that with the smallest correlation between any
-two of `VARIED` (0.27; median of all seeds 0.59), so that their effects are not confounded."""
+"""Seed of the random values of these joints. Of the first 4,000 seeds it has the smallest largest
+correlation between any two of `VARIED` (0.27; median of all seeds 0.59), so that the effects of
+sources are not confounded."""
 FURTHER_SEED = 1
 """Seed of the random values of further joints, whose results are estimated and not simulated."""
 COPIES: Mapping[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -47,11 +48,12 @@ _FIELDS = {"spacing": "step", "registration": "place", ORDER: "copy"} | {
 
 
 class Variant(NamedTuple):
-    """A joint with other values of one source or of all.
+    """A joint with another value of one source, or with other values of all sources.
 
-    Its walls have every ``step``-th cell of the grid, random draws of errors of the scans by their
-    number (``place``, ``noise``, ``resolution``, ``scale``, ``holes``; 0 for none), and are one of
-    `COPIES`. A step below 1 is that of the finer grid of walls that the scans do not resolve.
+    ``source`` is its name, ``value`` describes the value. Its walls have every ``step``-th cell of
+    the grid; a step below 1 is that of a finer grid, which the scans do not resolve. ``place``,
+    ``noise``, ``resolution``, ``scale`` and ``holes`` are the numbers of random draws of errors of
+    the scans, 0 for none. ``copy`` is one of `COPIES`.
     """
 
     source: str
@@ -66,7 +68,10 @@ class Variant(NamedTuple):
     copy: str = "as it is"
 
     def walls(self, upper: np.ndarray, lower: np.ndarray, errors: ScanErrors | None) -> Walls:
-        """Return the walls of the variant, from those (y, x) [m] to which the errors refer."""
+        """Return the walls (y, x) [m] of the variant.
+
+        ``upper`` and ``lower`` (y, x) [m] are the walls of the joint to which the ``errors`` refer.
+        """
         step = round(self.step * (errors.step if errors else 1))
         if errors and self.scale:
             upper, lower = errors.with_one_scale(upper, lower, self.scale)
@@ -82,7 +87,11 @@ class Variant(NamedTuple):
         return upper[::step, ::step], lower[::step, ::step]
 
     def changed(self, name: str, value: Any) -> "Variant":
-        """Return the variant with another value of a source."""
+        """Return the variant with another value of the source ``name``.
+
+        Its own ``source`` and ``value`` stay, which the caller sets. For "spacing" the value is a
+        step, and the spacing of the conditions changes with it.
+        """
         conditions = self.conditions
         choices = self.conditions.choices
         if name in _FIELDS:
@@ -104,9 +113,13 @@ def variants_of(
     draws: int = RANDOM_JOINTS,
     seed: int = SEED,
 ) -> Iterator[Variant]:
-    """Generate the variants of a joint: each source changed alone, then all ``draws`` times.
+    """Generate the variants of a joint, of which none is simulated here.
 
-    A joint whose breakage is resolved is also simulated by the paper's steps (`OTHER_RULE`).
+    If the joint has resolved breakage, the first has the paper's steps (`OTHER_RULE`). Then each
+    source is changed alone, to each of its values. Then follow ``draws`` variants with random
+    values of all sources that are varied in the range (`ALL`); if there are none but the order of
+    breakage, these are copies with another order. All variants but the one with the paper's steps
+    have the second value of a shared source.
     """
     joint = Variant("", "", conditions)
     if conditions.numerics.breakage == "resolved" and "breakage" in sources:
@@ -136,7 +149,7 @@ def variants_of(
 
 
 def random_positions(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
-    """Draw positions in the ranges of sources (draws, sources) in [0, 1), as a Latin hypercube."""
+    """Draw positions (draws, sources) in [0, 1) of the values of sources, as a Latin hypercube."""
     columns = []
     for name in names:
         random = generator(seed_of(seed, "range", name))
@@ -145,7 +158,7 @@ def random_positions(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
 
 
 def value_text(name: str, value: Any) -> str:
-    """Describe a value of a source."""
+    """Describe the value of a source ``name``, such as "every 2. cell", "draw 1" or "11 (GPa)"."""
     if name == "spacing":
         if value < 1:
             return f"a spacing {1 / value:.0f} times as fine"
