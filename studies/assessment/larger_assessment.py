@@ -1,4 +1,4 @@
-"""The assessment of a study by `make assess`, in the place of the smaller one of its report."""
+"""Results of `make assess` in the report of a study, in place of those of its own, fewer joints."""
 
 import math
 from collections.abc import Mapping
@@ -32,14 +32,14 @@ from studies.paper.closure_tables import estimate_columns
 
 
 class BaseCondition(NamedTuple):
-    """Roughness (NaN of scanned walls), stress [MPa], and digest of all that joints depend on."""
+    """Condition of the base case of a rock in a study."""
 
-    jrc: float
-    stress_MPa: float
-    key: str
+    jrc: float  # NaN for scanned walls
+    stress_MPa: float  # maximum stress
+    key: str  # digest of all on which the joints of the base case depend
 
     def is_at(self, at: Mapping[str, Any]) -> bool:
-        """Return whether a condition (``jrc``, ``stress_MPa``) of an assessment is this one."""
+        """Return whether the condition ``at`` of an assessment has this JRC and stress."""
         return bool(
             np.isclose([at["jrc"], at["stress_MPa"]], self[:2], rtol=1e-9, equal_nan=True).all()
         )
@@ -63,7 +63,7 @@ def with_larger(
     stated: str,
     within: float,
 ) -> tuple[pd.DataFrame, int]:
-    """Return the table of an assessment by more joints, if there is one of the same study.
+    """Return the table of the assessment in a report, from more joints if `make assess` had more.
 
     Parameters
     ----------
@@ -81,10 +81,12 @@ def with_larger(
     Returns
     -------
     DataFrame, int
-        The table, and the joints of each rock; ``table`` and 0 unless ``larger`` has more joints of
-        every rock of the study, simulated with the same settings. Intervals of all rocks together
-        are those of independent means, by the Student's t of one rock, and so rather too wide. The
-        share that remains is not known, nor are errors of times if ``larger`` does not have them.
+        The table in the columns of ``table``, and the fewest joints of a rock in it. It is
+        ``table``, with 0 joints, unless ``larger`` has more joints of every rock of the study, and
+        they were simulated with the same settings. Intervals of all rocks together combine those of
+        the rocks as independent ones. They use Student's t of one rock, and so are rather too wide.
+        The share of closure that remains at seating is not known, nor are errors of times if
+        ``larger`` does not have them.
     """
     keys = {rock: condition.key for rock, condition in conditions.items()}
     same = larger[larger.get("study_key", "") == larger.rock.map(keys)]
@@ -113,7 +115,10 @@ def with_larger(
 
 
 def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[dict[str, Any]]:
-    """Return the rows of a rock in the columns of `assessed_table`."""
+    """Return the rows of a rock's table ``assessment.csv`` in the columns of `assessed_table`.
+
+    ``stated`` and ``within`` are those of `with_larger`.
+    """
     # tables of an earlier version have no errors of times
     of_rock = of_rock.assign(error=of_rock.get("seconds_standard_error", math.nan))
     times = {
@@ -150,7 +155,7 @@ def _rows(of_rock: pd.DataFrame, rock: str, stated: str, within: float) -> list[
 
 
 def _judged(rows: list[dict[str, Any]], within: float) -> list[dict[str, Any]]:
-    """Return the rows of the cycles of a variant with their verdicts."""
+    """Return the rows of the cycles of one variant with the verdicts on it."""
     if rows[0]["kind"] == EFFECTS:
         verdict, needed_by = judged_effects(rows, within)
         return [row | {"verdict": verdict, "needed_by": needed_by} for row in rows]
@@ -158,7 +163,10 @@ def _judged(rows: list[dict[str, Any]], within: float) -> list[dict[str, Any]]:
 
 
 def _rows_of_all_rocks(table: pd.DataFrame, rocks: int, within: float) -> list[dict[str, Any]]:
-    """Return the rows of all rocks together, of the variants that all of them have."""
+    """Return the rows of all rocks together, for the variants and cycles that every rock has.
+
+    ``rocks`` is the number of rocks.
+    """
     rows = []
     for _, of_variant in table.groupby("variant", sort=False):
         cycles = []

@@ -1,4 +1,4 @@
-"""Small panels of the assessment in the report of a study, for its first screen."""
+"""Small figures of the assessment in the report of a study, for its first screen."""
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
@@ -25,26 +25,27 @@ from studies.paper.report.verdicts import REFERENCE, TOO_FEW, WIDEST, is_too_wid
 from studies.paper.tables_1_to_3 import figure_text
 
 SIZE = (4.2, 3.6)
-"""Size of a panel [inches]: at the width of a phone its smallest letters have 9 pixels."""
+"""Size of a figure [inches]: at the width of a phone its smallest letters have 9 pixels."""
 SMALL = 8.0
 """Size of the smallest letters [points]."""
 WORST = 8
-"""Number of joints that are shown, the worst first."""
+"""Number of pairs of walls that are shown, the worst first."""
 LINEAR = 10.0
-"""Percentage up to which the axes of effects are linear."""
+"""Percentage up to which the axes of effects are linear; beyond, they are logarithmic."""
 _MARKS = "sD^vP"
 _PALE = {"alpha": 0.35}
 _NO_BAR = f"{TOO_FEW}: wider than ±{WIDEST:g} % about 0"
 _CLOSURES = {"change_percent": "net", "gross_percent": "gross"}
-"""Names of closures by their columns."""
+"""Names of closures by the columns of their changes."""
 _LETTERS = 26
-"""Most letters of a line in a legend of two columns, so that it is not wider than the panel."""
+"""Largest number of letters in a line of a legend of two columns that fits into the figure."""
 _OFFSET = 1.05
-"""Ratio of the times at which marks of one setting are drawn, so that they do not overlap."""
+"""Ratio of the times at which neighbouring marks of one setting are drawn, so that they do not
+overlap."""
 
 
 def pooled(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of all rocks together, or of the only rock."""
+    """Return the rows of a table that are of all rocks together, or of the only rock."""
     return table[table.rock == (ALL_ROCKS if (table.rock == ALL_ROCKS).any() else table.rock)]
 
 
@@ -54,13 +55,13 @@ def _letters() -> dict[str, Any]:
 
 @styled
 def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
-    """Draw the error of each setting over the time of a joint, with the setting of the study.
+    """Draw the errors of mean closures by each setting of the numerics over the time of a joint.
 
-    Bars are 95 % intervals, marks of gross closure are hollow. A line joins the marks of a setting,
-    which all have the time at its middle. The legend has the verdict on each setting by these:
-    whether its errors are shown to be within the request in all cycles, or one beyond it.
-    ``table`` is that of `studies.assessment.report_tables.assessed_table`, ``within`` the
-    request [1].
+    Bars are 95 % intervals, marks of gross closure are hollow, and the setting of the study has a
+    ring. The marks of a setting are drawn side by side and joined by a line, whose middle is at
+    their time. The legend has the verdict on each setting: whether its errors are shown to be
+    within the request in all cycles, or beyond it in one. ``table`` is that of
+    `studies.assessment.report_tables.assessed_table`, ``within`` the request [1].
     """
     shown = pooled(table[table.kind == SETTING]).astype({"cycle": int})
     figure, axes = subplots(figsize=SIZE)
@@ -124,22 +125,23 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
 
 
 def _half_width(row: Any, name: str = "change_percent") -> float:
-    """Return half of the 95 % interval of a change [%]; 0, so no bar, if it is wider than shown."""
+    """Return half of the 95 % interval of a change [%]; 0 if it is infinite or too wide to draw."""
     half = getattr(row, f"{name}_high") - getattr(row, name)
     return float(half) if np.isfinite(half) and not is_too_wide(row._asdict(), name) else 0.0
 
 
 def _is_pale(row: Any, name: str = "change_percent") -> bool:
-    """Return whether the interval of a change is too wide to be drawn."""
+    """Return whether a mark is pale, as the interval of its change is too wide to be drawn."""
     return row.verdict != REFERENCE and is_too_wide(row._asdict(), name)
 
 
 @styled
 def effects_panel(table: pd.DataFrame, within: float) -> Figure:
-    """Draw changes of mean closures and of the time without each effect, of `assessed_table`.
+    """Draw the changes of mean closures, and of the time of a joint, without each effect.
 
-    Marks of gross closure are hollow. Changes whose intervals are too wide are pale. A grey band
-    has the changes ``within`` the request [1].
+    ``table`` is that of `studies.assessment.report_tables.assessed_table`. Marks of gross closure
+    are hollow. Changes whose intervals are too wide are pale. A grey band has the changes up to the
+    request ``within`` [1].
     """
     shown = pooled(table[table.kind == EFFECTS])
     names = list(dict.fromkeys(shown.variant))
@@ -211,17 +213,19 @@ def effects_panel(table: pd.DataFrame, within: float) -> Figure:
 
 
 def _effect_label(row: pd.Series) -> str:
-    """Return the name of an effect and below it the verdict on it, if its changes were measured."""
+    """Return the name of an effect, and below it the verdict if its changes were measured."""
     name = row.variant.removeprefix("without ")
     return f"{name}:\n{row.verdict}" if np.isfinite(row.change_percent) else name
 
 
 @styled
 def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
-    """Draw the worst pairs of walls of `studies.assessment.report_tables.hardness_table`.
+    """Draw the hardness of the worst pairs of walls of a study.
 
-    A bar is the force on contacts that cannot break in the worst case of a pair of walls, a line
-    its range over all cases of this pair, and a diamond the largest jump; all over their limits.
+    ``table`` is that of `studies.assessment.report_tables.hardness_table`, and ``titles`` are those
+    of the rocks. A bar is the force on contacts that cannot break, in the worst case of a pair of
+    walls; a line is the range of this force over all cases of the pair; and a diamond is the
+    largest jump in the worst case. All are over their limits.
     """
     pairs = [rows for _, rows in table.groupby(["rock", "walls"], sort=False)][:WORST]
     worst = [next(rows.itertuples()) for rows in pairs]
@@ -275,7 +279,7 @@ def hardness_panel(table: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
 
 
 def _make_room(figure: Figure, axes: Axes, ends: Sequence[float]) -> None:
-    """Set the upper end of the axis so that the words to the right of ``ends`` are not cut."""
+    """Set the upper end of the x axis so that the words to the right of ``ends`` are not cut."""
     figure.draw_without_rendering()  # lays the figure out, which determines lengths in pixels
     width = axes.get_window_extent().width
     gap = 9.0 * figure.dpi / 72.0
@@ -285,7 +289,11 @@ def _make_room(figure: Figure, axes: Axes, ends: Sequence[float]) -> None:
 
 
 def _joint_title(row: Any, titles: Mapping[str, str], cases: int) -> str:
-    """Name a joint: its rock and number, and in a second line its cases, or that which changed."""
+    """Return the title of the worst joint of a pair of walls: its rock and number.
+
+    A second line says what its case changes; if the pair has several ``cases``, it is called the
+    worst of so many.
+    """
     changed = row.changed if isinstance(row.changed, str) else ""  # empty in a file
     if cases > 1:
         changed = f"worst of {cases}: {changed or 'base case'}"
@@ -310,9 +318,11 @@ def first_panels(
     differences: pd.DataFrame | None,
     within: float | None,
 ) -> dict[str, Figure]:
-    """Draw the panels by the names of their files; those of ``differences`` if they were tabulated.
+    """Return the figures of the assessment by the names of their files.
 
-    ``titles`` are those of the rocks, ``within`` is the requested error [1].
+    ``hardness`` is the table of `hardness_table`, ``differences`` that of `assessed_table`. Without
+    the latter, or without the requested error ``within`` [1], only hardness is drawn. ``titles``
+    are those of the rocks.
     """
     panels = {"study_hardness": hardness_panel(hardness, titles)}
     if differences is not None and within is not None:

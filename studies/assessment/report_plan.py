@@ -1,9 +1,9 @@
-"""Plan of the joints that are simulated by variants for the report of a study.
+"""Plan of the joints that are simulated by variants for the assessment in the report of a study.
 
-They take at most a share of the study's time, or a minute of processor time for the few joints
-without which nothing would be decided. The plan follows from expected times only, so that a
-configuration has the same plan on every machine. Joints with the settings of the study are not
-simulated again: they are in its dataset.
+The joints take at most a share of the study's time; a minute of processor time is allowed in any
+case, for the few joints without which nothing could be decided. The plan follows from expected
+times only, so that a configuration has the same plan on every machine. Joints with the settings of
+the study are taken from its dataset, unless these have flow or effects left out automatically.
 """
 
 import math
@@ -21,24 +21,24 @@ from studies.frame.experiments import settings_of
 from studies.frame.settings import Point
 
 FEWEST_JOINTS = 2
-"""Fewest joints of a rock: the error of a mean of one is not known."""
+"""Fewest joints of a rock: the error of the mean of a single joint is not known."""
 ENOUGH = 4
-"""Joints of all rocks together that are simulated where they take no more than `LEAST_SECONDS`. The
-95 % interval of a mean of two is six times as long as that of four, for the same scatter (Student's
-t)."""
+"""Number of joints of all rocks together that are simulated, also beyond the share, if they take no
+more than `LEAST_SECONDS`. For the same scatter the 95 % interval (Student's t) of the mean of two
+joints is six times as long as that of four."""
 LEAST_SECONDS = 60.0
-"""Expected processor time [s] that these joints may take although they exceed the share."""
+"""Expected processor time [s] that joints may take although they exceed the share."""
 COSTLY = 5.0
-"""Largest cost of a joint without an effect, over that of a joint of the study, for which this
-variant is kept where the share does not allow all effects."""
+"""Cost of a joint without an effect, over that of a joint of the study, above which this variant is
+left out if the share of the time does not allow all variants."""
 RESIDUAL = "residual_closure_seated_net"
-"""Net closure that remains at seating."""
+"""Net closure that remains at the seating stress after unloading."""
 READ = (*JUDGED, RESIDUAL, STIFFNESS)
-"""Quantities that are read of the joints."""
+"""Quantities that are read of the planned joints."""
 
 
 class AssessmentPlan(NamedTuple):
-    """Joints of base cases that are simulated by variants.
+    """Plan of the joints of base cases that are simulated by variants.
 
     Attributes
     ----------
@@ -49,15 +49,15 @@ class AssessmentPlan(NamedTuple):
     omitted : tuple of str
         Variants that the share does not allow.
     joints : int
-        Joints of each rock.
+        Number of joints of each rock and variant.
     points : dict
         Points of each rock, one for each variant that is simulated. Empty if even the fewest
         joints of one rock would take more than the share, and more than `LEAST_SECONDS`.
     seconds, study_seconds : float
-        Expected processor time [s] of these joints (of the fewest if there are no points), and of
-        the whole study.
+        Expected processor time [s] of the planned joints (of the fewest if there are no points),
+        and of the whole study.
     share : float
-        Share of the time of the study that they may take [1].
+        Share of the time of the study that the planned joints may take [1].
     """
 
     stated: str
@@ -71,12 +71,12 @@ class AssessmentPlan(NamedTuple):
 
     @property
     def within(self) -> bool:
-        """Whether the joints take no more than the share."""
+        """Whether the planned joints are expected to take no more than the share."""
         return self.seconds <= self.share * self.study_seconds
 
 
 def study_seconds(study: Configuration) -> float:
-    """Return the expected processor time [s] of all joints of a study."""
+    """Return the expected processor time [s] of all joints of a study, in all its ensembles."""
     return sum(
         of.study.realizations * seconds_by_paper(of) * _cost(case.checked_conditions)
         for of in ensembles_of(study).values()
@@ -95,10 +95,11 @@ def _cost(conditions: CheckedConditions) -> float:
 def planned(study: Configuration) -> AssessmentPlan | None:
     """Return the plan of the joints for the report of a study; None without an assessment.
 
-    First the largest scope of settings and effects is taken for which the share allows
-    `FEWEST_JOINTS` of every rock. Then as many joints are planned as the share allows. If it allows
-    no scope for every rock, the smallest scope is planned for the first rocks only. Fewer than
-    `ENOUGH` joints become as many where these take at most `LEAST_SECONDS`.
+    First the largest scope (settings and effects that are compared) is taken for which the share of
+    time allows `FEWEST_JOINTS` of every rock. Then as many joints are planned as the share allows.
+    If it allows not even the smallest scope for every rock, this scope is planned for the first
+    rocks only. If fewer than `ENOUGH` joints of all rocks are planned, their number is raised to
+    `ENOUGH` if these take at most `LEAST_SECONDS`.
     """
     section = study.section_or_none(AssessmentSection)
     if section is None:
@@ -140,15 +141,19 @@ def planned(study: Configuration) -> AssessmentPlan | None:
 
 
 class _Scope(NamedTuple):
-    """Settings that are compared, and whether costly variants of effects are compared too."""
+    """Scope of an assessment: the variants that are compared. Fields are as in `AssessmentPlan`."""
 
     stated: str
     ladder: tuple[str, ...]
     omitted: tuple[str, ...]
-    costly: bool
+    costly: bool  # whether variants without an effect whose joints are `COSTLY` are compared too
 
     def variants(self, given: CheckedConditions, again: bool) -> dict[str, CheckedConditions]:
-        """Return the variants of a rock to simulate, without the stated one unless ``again``."""
+        """Return the conditions of the variants of a rock that are simulated, by name.
+
+        ``given`` are the conditions of the rock in the study. The stated variant is left out unless
+        it is to be simulated ``again``.
+        """
         stated, ladder, variants = assessed_variants(given._replace(flow=False))
         most = COSTLY * _cost(given) if not self.costly else float("inf")
         shown = (*self.ladder, *(name for name in variants if name not in ladder))
@@ -161,7 +166,10 @@ class _Scope(NamedTuple):
         }
 
     def cost(self, given: CheckedConditions, again: bool) -> float:
-        """Return the cost of a joint of a rock by all variants, in joints by the paper's steps."""
+        """Return the cost of simulating one joint of a rock by all variants.
+
+        Its unit is the cost of a joint by the paper's steps with all effects.
+        """
         return sum(map(_cost, self.variants(given, again).values()))
 
     def points(
@@ -184,9 +192,9 @@ class _Scope(NamedTuple):
 def _scopes(given: CheckedConditions) -> Iterator[_Scope]:
     """Generate scopes of comparison from the largest to the smallest.
 
-    The first has all settings and effects. Then settings are left out, until the stated one and one
-    that is finer remain, with the cheapest one, which takes little time. Finally the variants of
-    effects that are costly are left out.
+    The first has all settings and effects. Then settings are left out, until at least the stated
+    setting and a finer one remain. Finally the variants without an effect whose joints are `COSTLY`
+    are left out too.
     """
     stated, ladder, variants = assessed_variants(given._replace(flow=False))
     effects = [name for name in variants if name not in ladder]

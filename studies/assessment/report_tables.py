@@ -1,4 +1,4 @@
-"""Tables of the assessment in the report of a study: accuracy reached, effects, hard joints."""
+"""Tables of the assessment in the report of a study: errors of settings, effects, hard joints."""
 
 import json
 import math
@@ -38,11 +38,11 @@ from studies.paper.closure_tables import estimate_columns
 from studies.paper.report.verdicts import JUMPS, REFERENCE, VERDICT_OF
 
 ALL_ROCKS = "all rocks"
-"""Value of the column ``rock`` in rows of all rocks together; keys of rocks have no space."""
+"""Value of the column ``rock`` in rows of all rocks together; no rock has a name with a space."""
 SETTING, EFFECTS = "setting", "effects"
-"""Kinds of variants."""
+"""Kinds of variants: another setting of the numerics, or fewer effects."""
 GROSS = JUDGED[1]
-"""Quantity by which, besides the net closure, effects are judged."""
+"""Gross closure, by which variants are judged besides the net closure."""
 MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
@@ -50,19 +50,14 @@ OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
 
 
 class _Closed(NamedTuple):
-    """Joints of a variant: arrays (joint, cycle) [m], NaN if failed, and times (n,) [s] of others.
+    """Results of the joints of a variant; arrays (joint, cycle), NaN for joints that failed."""
 
-    ``closures`` are net closures since seating, ``residuals`` what remains of them at seating,
-    ``gross`` gross closures, and ``compliances`` [m/Pa] those of the net chord stiffness. Of the
-    joints that failed, ``given_up`` needed more than `MOST_BREAKAGE_STEPS`.
-    """
-
-    closures: np.ndarray
-    residuals: np.ndarray
-    gross: np.ndarray
-    compliances: np.ndarray
-    seconds: np.ndarray
-    given_up: int
+    closures: np.ndarray  # net closure since seating [m]
+    residuals: np.ndarray  # net closure that remains at seating [m]
+    gross: np.ndarray  # gross closure [m]
+    compliances: np.ndarray  # [m/Pa], reciprocals of the net chord stiffness
+    seconds: np.ndarray  # times (n,) [s] of the joints that did not fail
+    given_up: int  # number of failed joints that needed more than `MOST_BREAKAGE_STEPS`
 
 
 def assessed_table(
@@ -72,7 +67,7 @@ def assessed_table(
     effects: Mapping[str, Effects],
     within: float,
 ) -> pd.DataFrame:
-    """Tabulate the differences of variants of the base cases, and the times of their joints.
+    """Tabulate the differences that variants make to the base cases, and the times of their joints.
 
     Parameters
     ----------
@@ -90,20 +85,20 @@ def assessed_table(
     Returns
     -------
     DataFrame
-        A row per variant and cycle, of each rock and of all together (`ALL_ROCKS`): ``kind``
-        (setting or effects), ``reference``, ``joints`` (n), ``change_percent`` of the mean net
-        closure since seating, ``seconds`` of a joint, and ``time_percent``, the change of the time
-        from that of the study's joints; with standard errors. ``change_percent`` has its 95 %
-        interval by Student's t (``_low``, ``_high``; infinite for one joint), and ``gross_percent``
-        is that of the mean gross closure, ``stiffness_percent`` that of the (harmonic) mean net
-        chord stiffness. The ``verdict`` on a setting is one of `CHANGE_VERDICTS` by the net and the
-        gross closure of the cycle, or `REFERENCE`. That on effects is the one of
-        `jointclosure.assess` by net and gross closure of all cycles, and ``needed_by`` names the
-        results that make them needed. Times are those of joints that succeeded. ``remains_points``
-        is the change of the share of the
-        closure that remains at seating [percentage points], with its interval. ``state`` and
-        ``reason`` are those of effects that were not tested, that the study left out, or that its
-        joints need.
+        A row for each variant and cycle, of each rock and of all rocks together (`ALL_ROCKS`).
+        ``kind`` is `SETTING` or `EFFECTS`, ``reference`` the variant to which differences are, and
+        ``joints`` the number of joints in the means. ``change_percent`` is the change of the mean
+        net closure since seating, ``gross_percent`` that of the mean gross closure,
+        ``stiffness_percent`` that of the (harmonic) mean net chord stiffness, and
+        ``remains_points`` that of the share of the closure that remains at seating [percentage
+        points]. Each has its 95 % interval by Student's t (``_low``, ``_high``; infinite for one
+        joint). ``seconds`` is the mean time of a joint that succeeded, and ``time_percent`` its
+        change from that of the study's joints. ``change_percent`` and times have standard errors.
+        The ``verdict`` on a setting is one of `CHANGE_VERDICTS` by the net and the gross closure of
+        the cycle, or `REFERENCE`. The verdict on effects is that of `jointclosure.assess` by net
+        and gross closure of all cycles, and ``needed_by`` names the results that make the effects
+        needed. ``state`` and ``reason`` are those of effects that were not tested, that the study
+        left out, or that its joints need.
     """
     chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
     closed = {rock: _closed(study, rock, part, plan) for rock, part in joints.items()}
@@ -131,9 +126,10 @@ def assessed_table(
 def _closed(
     study: xr.Dataset, rock: str, joints: xr.Dataset, plan: AssessmentPlan
 ) -> dict[str, _Closed]:
-    """Return the joints of a rock by variant, first the settings in the order of their accuracy.
+    """Return the results of a rock's base case by variant, settings first, by their accuracy.
 
-    The stated variant is taken from the dataset of the study unless it is among ``joints``.
+    The variant with the settings of the study is taken from the dataset ``study`` unless it is
+    among ``joints``.
     """
     found = {}
     for variant in dict.fromkeys(joints.variant.values.tolist()):
@@ -172,7 +168,10 @@ def _rows(
     plan: AssessmentPlan,
     within: float,
 ) -> Iterator[dict]:
-    """Generate the rows of a variant of one or several rocks together, one for each cycle."""
+    """Generate the rows of a variant, one for each cycle, of one rock or of several together.
+
+    ``rock`` is the name in the rows, ``of_rocks`` has the results of each rock by variant.
+    """
     setting = variant in plan.ladder
     reference = plan.ladder[-1] if setting else plan.stated
     pairs = [
@@ -216,7 +215,10 @@ def _rows(
 
 
 def judged_setting(row: Mapping, within: float) -> str:
-    """Return the verdict on a setting in a cycle by net and gross closure, or `REFERENCE`."""
+    """Return the verdict on a setting of the numerics by a row, that of one cycle.
+
+    It is by net and gross closure and the request ``within`` [1]; `REFERENCE` for the reference.
+    """
     if row["variant"] == row["reference"]:
         return REFERENCE
     verdicts = {
@@ -227,9 +229,10 @@ def judged_setting(row: Mapping, within: float) -> str:
 
 
 def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
-    """Return the verdict on effects, and the results that make them needed, by the rule of assess.
+    """Return the verdict on effects by the rule of `jointclosure.assess`, and what needs them.
 
-    ``rows`` are those of the cycles of the variant without them.
+    ``rows`` are those of all cycles of the variant without these effects. The second text names the
+    results that make them needed; "" if none does, or if joints without them fail.
     """
     if any(row["given_up"] for row in rows):
         return GIVEN_UP, ""
@@ -249,17 +252,18 @@ def judged_effects(rows: Sequence[Mapping], within: float) -> tuple[str, str]:
 ENDS = {"value": "", "low": "_low", "high": "_high"}
 """Suffixes of the columns of a number and of its interval."""
 JUDGED_COLUMNS = dict(zip(JUDGED, ("change", "gross"), strict=True))
-"""Beginnings of the columns of changes, by the closures by which variants are judged."""
+"""Beginnings of the names of columns with changes, by the closures by which variants are judged."""
 SHOWN_COLUMNS = JUDGED_COLUMNS | {STIFFNESS: "stiffness"}
-"""The same, with those that are shown besides."""
+"""Beginnings of the names of columns with changes, by all quantities whose changes are shown."""
 
 
 def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
-    """Return differences from a reference on the same walls (joint,), of the cycle at ``place``.
+    """Return differences of a variant from a reference on the same walls: four arrays (joint,).
 
-    Their means are the relative change of the mean net closure, the difference of the shares of
-    the mean closure that remain (ratios of means, the scatter by the delta method), and the
-    relative changes of the mean gross closure and of the harmonic mean of the net chord stiffness.
+    They are of the cycle at ``place``, for the joints that succeeded with both. Their means are the
+    relative change of the mean net closure; the difference of the shares of the mean net closure
+    that remain at seating (ratios of means, with scatter by the delta method); the relative change
+    of the mean gross closure; and that of the harmonic mean of the net chord stiffness.
     """
     of_both = [[part[:, place] for part in of[:4]] for of in (own, best)]
     known = np.isfinite(of_both).all(axis=(0, 1))
@@ -275,9 +279,9 @@ def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
 
 
 def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
-    """Return values (n,) whose mean is the ratio of the means of two rows (n,).
+    """Return values (n,) whose mean is the mean of ``over`` (n,) over the mean of ``under`` (n,).
 
-    Their scatter is that of the ratio to first order (delta method).
+    Their scatter is that of this ratio to first order (delta method).
     """
     ratio = over.mean() / under.mean()
     return ratio + (over - ratio * under) / under.mean()
@@ -286,29 +290,38 @@ def _linear_share(over: np.ndarray, under: np.ndarray) -> np.ndarray:
 def _interval(
     samples: np.ndarray, interval_of: Callable[[np.ndarray], Interval] = t_interval
 ) -> Interval:
-    """Return the mean of samples with its 95 % interval, infinite for fewer than two."""
+    """Return the mean of samples (n,), NaN without any, with its 95 % interval.
+
+    The interval is infinite for fewer than two samples.
+    """
     return interval_of(samples) if samples.size else Interval(math.nan, -math.inf, math.inf)
 
 
 def _limit_columns(name: str, interval: Interval) -> dict[str, float]:
-    """Return the ends of an interval [%] by the names of their columns."""
+    """Return the limits of an interval [1] in percent, by the names of their columns."""
     return {f"{name}_low": 100.0 * interval.low, f"{name}_high": 100.0 * interval.high}
 
 
 def _mean(samples: np.ndarray) -> Estimate:
-    """Return a mean with its standard error; the error of fewer than two samples is NaN."""
+    """Return the mean of samples (n,) with its standard error; NaN for too few samples.
+
+    The error needs two samples, the mean one.
+    """
     if samples.size < 2:
         return Estimate(float(samples[0]) if samples.size else math.nan, math.nan)
     return mean_of(samples)
 
 
 def _change(over: np.ndarray, under: np.ndarray) -> Estimate:
-    """Return the relative change of the mean of ``over`` (n,) from that of ``under`` (m,)."""
+    """Return the relative change of the mean of ``over`` (n,) from the mean of ``under`` (m,)."""
     return relative_change(_mean(over), _mean(under), over is under)
 
 
 def relative_change(over: Estimate, under: Estimate, is_same: bool) -> Estimate:
-    """Return the relative change of independent estimates; 0 if both are the same one."""
+    """Return the relative change from ``under`` to ``over``, two independent estimates.
+
+    It is 0 without error if both are the same estimate.
+    """
     if is_same:
         return Estimate(0.0, 0.0)
     ratio = over.value / under.value
@@ -325,7 +338,10 @@ def together(estimates: Sequence[Estimate]) -> Estimate:
 def _states(
     acting: Effects, plan: AssessmentPlan, chosen: Mapping[str, dict]
 ) -> Iterator[tuple[str, str, str]]:
-    """Generate variant, state and reason of effects of a rock that are left out or not tested."""
+    """Generate (variant, state, reason) for effects of a rock that no joints of the plan test.
+
+    ``acting`` are the stated effects, and ``chosen`` the record of `choose_rock_effects`.
+    """
     for name, acts in acting._asdict().items():
         if not acts:
             yield without([name]), OFF, f"off in this study (effects: {name}: false)"
@@ -345,7 +361,10 @@ def _states(
 
 
 def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]) -> pd.DataFrame:
-    """Add states and reasons to the rows of variants, and rows of variants not simulated."""
+    """Return a table with the states and reasons of variants; variants not simulated get rows.
+
+    If there are several ``rocks``, states of all rocks together are added.
+    """
     if len(rocks) > 1 and len(states):
         pooled = []
         for (variant, state, reason), part in states.groupby(
@@ -371,9 +390,10 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
 
 
 def with_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Set the state of effects without which joints fail or are given up, and count these joints.
+    """Set, in the table itself, the state of effects without which joints fail or are given up.
 
-    It is `NEEDED` where they fail, and `NOT_TESTED` where one was given up.
+    Return the table. The state is `NOT_TESTED` if a joint was given up, otherwise `NEEDED`; the
+    reason counts the joints. Rows that have a state keep it.
     """
     fails = (table.kind == EFFECTS) & (table.failed > 0)
     total = table.joints + table.failed
@@ -393,7 +413,10 @@ def with_failures(table: pd.DataFrame) -> pd.DataFrame:
 def cost_table(
     datasets: Sequence[xr.Dataset], joints: Mapping[str, xr.Dataset], plan: AssessmentPlan
 ) -> pd.DataFrame:
-    """Tabulate in one row the joints of the assessment, and their time and the study's [s]."""
+    """Tabulate in one row the number of joints of the assessment, and their time [s].
+
+    ``datasets`` are those of the study's ensembles, whose time [s] is given too.
+    """
     whole = float(sum(part.timing_simulation.sum() for part in datasets))
     seconds = float(sum(part.timing_simulation.sum() for part in joints.values()))
     row = {
@@ -420,8 +443,8 @@ _VERDICTS = (
     JUMPS,
     "",
 )
-"""Verdicts on a joint, the worst first, in the words of `jointclosure.assess` where they mean the
-same; the last one is that of joints without a remark, of which no copies were simulated."""
+"""Verdicts on a joint, the worst first, in the words of `jointclosure.assess` if they mean the
+same. The last is that of joints without a remark, of which no copies were simulated."""
 
 
 def hardness_table(study: xr.Dataset, within: float, jumps: bool) -> pd.DataFrame:
@@ -433,14 +456,14 @@ def hardness_table(study: xr.Dataset, within: float, jumps: bool) -> pd.DataFram
     jumps of their own. Copies of the joints and finer numerics, by which `jointclosure.assess`
     judges, are not known.
 
-    Rows are joints, the worst first, at most `MOST_RANKED`: ``changed`` (what their case changes,
-    "" for a base case), ``walls`` (seed of their pair of walls,
-    which cases of common draws share), ``verdict``, ``reason``,
-    ``unbreakable_percent`` (largest share of the force of all cycles), ``jump_percent`` (largest
-    jump), both also over their limits (``unbreakable_over_limit``, ``jump_over_limit``),
-    ``residual`` (largest of all steps), ``effort`` (breakage steps over the median of the case's
-    rock). ``ranked`` is the number of all joints, ``verdict_joints`` that of joints with the same
-    verdict, and ``jump_limit_percent`` the limit of jumps.
+    Rows are joints, the worst first, at most `MOST_RANKED`. Columns are ``changed`` (what the case
+    changes, "" for a base case), ``walls`` (seed of the pair of walls, which cases of common draws
+    share), ``verdict``, ``reason``, ``unbreakable_percent`` (share of the force on contacts that
+    cannot break, the largest of all cycles), ``jump_percent`` (largest jump), both also over their
+    limits (``unbreakable_over_limit``, ``jump_over_limit``), ``residual`` (of equilibrium, the
+    largest of all steps), ``effort`` (breakage steps over the median of all joints of the rock),
+    ``ranked`` (number of all joints), ``verdict_joints`` (number of joints with the same verdict),
+    and ``jump_limit_percent``.
     """
     order = ("case", "realization")
     status = study.status.transpose(*order).values
@@ -488,7 +511,7 @@ def hardness_table(study: xr.Dataset, within: float, jumps: bool) -> pd.DataFram
 
 
 def _reason(row: Mapping, group: int, within: float) -> str:
-    """Return in words what makes a joint hard; ``group`` is the place of its verdict."""
+    """Return in words what makes a joint hard; ``group`` is its verdict's place in `_VERDICTS`."""
     if group == 0:
         return ", ".join(in_words(name) for bit, name in FLAGS.items() if row["status"] & bit)
     if group == 1:

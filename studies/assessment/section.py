@@ -36,7 +36,10 @@ class AssessmentSection(StudySection):
     )
 
     def problems(self, configuration: Configuration) -> Iterator[str]:
-        """Generate a line for each stress below the seating stress or beyond a rock's strength."""
+        """Generate a line for each stress [Pa] that is not above the seating stress of the study.
+
+        Further lines are for stresses that no walls of a rock can carry.
+        """
         for stress in self.stress:
             if stress <= configuration.seating_stress:
                 yield (

@@ -1,4 +1,8 @@
-"""Assessment of a study's rocks: the variants of `jointclosure.assess` at each condition."""
+"""Experiment that assesses a study's rocks by the variants of `jointclosure.assess`.
+
+A condition is a rock with a JRC (or scanned walls) and a maximum stress. A variant is a setting of
+the numerics, or the simulation without some effects.
+"""
 
 import itertools
 import math
@@ -44,29 +48,30 @@ from studies.paper.tables_1_to_3 import figure_text
 _COLUMNS = 2
 """Largest number of panels in a row."""
 _LEAST_SPREAD = 1e-5
-"""Spread [1] at which smaller spreads are drawn too."""
+"""Least spread [1] on the axis; smaller spreads are drawn there."""
 _SETTINGS = "osD^v"
-"""Markers of the settings of the numerics."""
+"""Markers of the settings of the numerics, in their order."""
 _FILLED: dict[str, dict[str, Any]] = {
     "easy": {},
     "hard": {"mfc": "none"},
     "not stable": {"fillstyle": "left"},
 }
-"""Filling of the markers of joints, by their verdict."""
+"""Filling of the markers of joints, by the verdict on the joint."""
 _JOINT: dict[str, Any] = {"ms": 4.5, "mew": 1.0, "alpha": 0.8}
-"""Markers of joints."""
+"""Style of the markers of joints."""
 _BESIDE = 0.2
-"""Distance of the marks of one setting, relative to that of two settings."""
+"""Distance between neighbouring marks of one setting, over the distance between two settings."""
 _LINEAR_SHARE = 1.0
-"""Percentage up to which axes of shares are linear."""
+"""Percentage up to which axes of shares are linear; beyond, they are logarithmic."""
 
 
 def _panels(
     table: pd.DataFrame, titles: Mapping[str, str], panel: tuple, sharex: bool = True
 ) -> Iterator[tuple[Axes, pd.DataFrame]]:
-    """Generate axes and rows of closures for each condition; all axes are in one figure.
+    """Generate for each condition a panel of one new figure, and the rows that are drawn there.
 
-    Vertical axes are shared, and horizontal ones if ``sharex``.
+    Panels share their vertical axes, and their horizontal ones too if ``sharex``. ``panel`` is the
+    size [inches] of a panel.
     """
     shown = table[table.quantity.isin(JUDGED) & (table.variant != table.reference)]
     conditions = list(grouped(shown, "rock", "jrc", "stress_MPa"))
@@ -81,17 +86,18 @@ def _panels(
 
 
 def condition(titles: Mapping[str, str], rock: str, jrc: float, stress_MPa: float) -> str:
-    """Describe a condition of a rock, by its title; scanned walls have no JRC."""
+    """Return words on a condition: the rock's title, its JRC (NaN: scanned walls) and stress."""
     walls = "scanned" if math.isnan(jrc) else f"JRC {jrc:g}"
     return f"{titles[rock]}, {walls}, {stress_MPa:g} MPa"
 
 
 @styled
 def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw the error of each setting of the numerics, above its time, for each condition.
+    """Draw the errors of mean closures by each setting of the numerics, for each condition.
 
-    Errors are signed, against the finest setting, which is not drawn, with their 95 % intervals.
-    Colours are cycles, shapes are settings, and hollow marks are gross closures.
+    Errors are differences to the finest setting, with their 95 % intervals; the finest setting is
+    not drawn. The time of a joint stands below the name of its setting. Colours are cycles, shapes
+    are settings, and hollow marks are gross closures.
     """
     assessment = tables["assessment"]
     percent = 100.0 * settings["within"]
@@ -111,9 +117,10 @@ def draw_assessment_price(tables: Tables, settings: Mapping[str, Any]) -> Figure
 
 
 def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
-    """Draw errors [%] of settings beside each other, in their order; ticks are names and times.
+    """Draw in a panel the errors [%] of settings, side by side in their order.
 
-    Marks of gross closure are hollow. A band has the request ``within`` [%].
+    Ticks are the names of settings and the times of joints. Marks of gross closure are hollow. A
+    grey band has the errors up to the request ``within`` [%].
     """
     axes.axhspan(-within, within, color="0.9", lw=0.0, zorder=0)
     axes.axhline(0.0, color="0.5", lw=0.8, zorder=1)
@@ -145,7 +152,7 @@ def _draw_price(axes: Axes, settings: pd.DataFrame, within: float) -> None:
 
 @styled
 def draw_assessment_effects(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw the change of the mean closures without each group of effects."""
+    """Draw the changes of mean closures without each group of effects, for each condition."""
     assessment = tables["assessment"]
     without = assessment[lacks_effects(assessment.variant)]
     shown = without[without.quantity.isin(JUDGED)]
@@ -167,10 +174,10 @@ def _finished(axes: Axes, x: str, y: str) -> Figure:
 
 @styled
 def draw_assessment_hardness(tables: Tables, settings: Mapping[str, Any]) -> Figure:
-    """Draw features of joints in front of those of the hard cases, and the limits of easy ones.
+    """Draw features of joints, in front of those of the hard cases, with the limits of easy joints.
 
     Each rock has a row of two panels, so that its joints are not hidden by those of another rock.
-    Colours and shapes are maximum stresses.
+    Colours and shapes stand for maximum stresses.
     """
     hardness = tables["hardness"]
     shares = ["spread", "unbreakable_share", "largest_jump"]
@@ -229,9 +236,10 @@ _VALUES = ["value", "low", "high"]
 
 
 def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
-    """Make a job for each condition and variant.
+    """Return the points of the assessment by job: one job for each condition and variant.
 
-    The stated variant closes all `COPIES` of the walls, others only the walls as they are.
+    The variant with the settings of the study has a point for each of `COPIES` of the walls, other
+    variants only one for the walls as they are.
     """
     section = study.section(AssessmentSection)
     jobs = {}
@@ -259,7 +267,10 @@ def assessment_jobs(study: Configuration) -> dict[str, list[Point]]:
 
 
 def ladders_of(study: Configuration) -> dict[str, tuple]:
-    """Return for each rock the name of the stated setting, and those of all, the finest last."""
+    """Return by rock the name of the study's setting of numerics, and the names of all settings.
+
+    All settings are in the order of their accuracy: the finest is last.
+    """
     return {
         name: assessed_variants(base_case(study, name).checked_conditions)[:2]
         for name in study.rocks
@@ -267,7 +278,10 @@ def ladders_of(study: Configuration) -> dict[str, tuple]:
 
 
 def _conditions(configuration: Configuration, section: AssessmentSection) -> Iterator[Case]:
-    """Generate the base case of each rock at each roughness and stress."""
+    """Generate the base case of each rock at each JRC and maximum stress of the section.
+
+    Scanned walls have no other JRC; without stated ones those of the rock are taken.
+    """
     for name, rock in configuration.rocks.items():
         base = base_case(configuration, name)
         roughnesses = (not rock.walls and section.jrc) or (base.jrc,)
@@ -278,7 +292,10 @@ def _conditions(configuration: Configuration, section: AssessmentSection) -> Ite
 
 
 def copies(settings: ClosureSettings, copy: str, unusual_values: bool) -> Iterator[Walls]:
-    """Generate the pairs of walls of a block, made or cut out of scans, as one of `COPIES`."""
+    """Generate the walls (y, x) [m] of each realisation of a block, changed as a copy of them is.
+
+    ``copy`` is a name in `COPIES`. Walls are made from seeds or cut out of scans.
+    """
     if settings.walls:
         about = settings.grid.spacing, settings.surface.jrc_relation, unusual_values
         pairs = cut_walls(_scanned(settings.walls, *about), settings)
@@ -294,7 +311,7 @@ _scanned = lru_cache(maxsize=1)(walls_of_files)
 def _assessed(
     joints: pd.DataFrame, settings: Mapping[str, Any]
 ) -> Iterator[tuple[dict[str, Any], Assessed]]:
-    """Generate each condition, and the assessment of its joints."""
+    """Generate each condition (rock, jrc, stress_MPa), and the assessment of its joints."""
     closures = joints.rename(columns={"realization": "joint"}).assign(error="")
     for at, part in grouped(closures, "rock", "jrc", "stress"):
         stated, ladder = settings["ladders"][at["rock"]]
@@ -302,12 +319,13 @@ def _assessed(
 
 
 def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Tabulate the differences of variants at each condition, with verdicts on effects.
+    """Tabulate the differences [%] of variants at each condition, with verdicts on effects.
 
     ``needed_by`` names the results that make an effect needed, and ``joints`` is the number of
-    pairs of walls. Of these ``failed`` have no result, and are not in the differences; among them
-    ``given_up`` took too many breakage steps. ``seconds_standard_error`` is that of the mean time
-    of a joint. ``study_key`` is that of the settings of a base case (`base_conditions`).
+    pairs of walls. ``failed`` of these have no result with the variant, and are not in the
+    differences; ``given_up`` are those among them that took too many breakage steps.
+    ``seconds_standard_error`` is the standard error of the mean time of a joint. ``study_key``
+    identifies the settings of the condition of a base case (`base_conditions`); elsewhere it is "".
     """
     differences = []
     for at, found in _assessed(joints, settings):
@@ -333,7 +351,7 @@ def tabulate_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd
 
 
 def tabulate_hardness(joints: pd.DataFrame, settings: Mapping[str, Any]) -> pd.DataFrame:
-    """Tabulate the hardness of each joint, worst first."""
+    """Tabulate the hardness of each joint at each condition, the worst joint first."""
     parts = [found.hardness.assign(**at) for at, found in _assessed(joints, settings)]
     return worst_first(_first(parts, *_CONDITION))
 
@@ -347,7 +365,7 @@ HARDNESS_OF = (
 
 
 def describe_assessment(joints: pd.DataFrame, settings: Mapping[str, Any]) -> str:
-    """Describe the assessment of each condition as Markdown."""
+    """Return the assessment of each condition as Markdown: tables and sentences."""
     lines = ["# Assessment", ""]
     for at, found in _assessed(joints, settings):
         lines += [f"## {condition(settings['titles'], **at)}", ""]

@@ -1,7 +1,8 @@
-"""Cases of a study: every rock with its base values, and with one parameter changed.
+"""Which cases, blocks of realisations and ensembles a study has, and the settings of their joints.
 
-The label of a case is used only to name files and is never parsed: rock, parameter, level and value
-are fields of `Case`, and coordinates of every dataset.
+A study has each rock with its base values, and with one parameter changed. The class `Case` is in
+`settings.py`, as settings of joints contain it. The label of a case only names files and is never
+parsed: rock, parameter, level and value are fields of `Case`, and coordinates of every dataset.
 """
 
 from collections.abc import Mapping
@@ -25,18 +26,19 @@ from studies.frame.settings import (
 )
 
 BLOCK = 10
-"""Realisations in a block of a requested accuracy with the numerics of the study."""
+"""Realisations in a block of a study with a requested accuracy."""
 FEW = 4
-"""Realisations in a block of a requested accuracy with the finest numerics."""
+"""Realisations in a block of the ensemble with the finest numerics of such a study."""
 JOB_SECONDS = 300.0
 """Approximate processor time [s] of a job that simulates joints."""
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:
-    """Return the names of ascending levels.
+    """Return the names of the ascending levels of a parameter.
 
-    Three levels around the base are low, base and high. Otherwise level i of k (from 1) is level_i,
-    except for the base.
+    Three levels with the rock's own value ``base`` in the middle are "low", "base" and "high".
+    Otherwise the rock's own value is "base", and others are "level_1", "level_2" and so on by their
+    place among all levels.
     """
     if len(levels) == 3 and levels[1] == base:
         return ["low", BASE, "high"]
@@ -54,7 +56,7 @@ def base_case(study: Configuration, name: str) -> Case:
 
 
 def cases_of(study: Configuration) -> list[Case]:
-    """Return all cases by rock in the order of the study, with the base case of each rock first."""
+    """Return all cases of a study, rock by rock in its order; the base case of a rock is first."""
     cases = []
     for name, rock in study.rocks.items():
         cases.append(base := base_case(study, name))
@@ -70,7 +72,10 @@ def cases_of(study: Configuration) -> list[Case]:
 
 
 def pool_of(whole: Configuration) -> Configuration:
-    """Return the configuration of the pool: all cases of a study on the same further surfaces."""
+    """Return the configuration of a study's pool: its cases, all on the same further surfaces.
+
+    It has ``study.pool`` realisations. The pool has neither a pool nor a requested accuracy.
+    """
     study = whole.study
     return whole._replace(
         study=study._replace(
@@ -86,10 +91,9 @@ def pool_of(whole: Configuration) -> Configuration:
 def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
     """Return the configurations of a study's ensembles by name, which is that of their folder.
 
-    ``cases`` is the study itself. ``finest`` is added for a requested accuracy: at most
-    `FEWEST_DIFFERENCES` realisations with the finest numerics, without flow, and with all effects
-    that are stated, none of which `effects.auto` leaves out. ``pool`` is added for a study with a
-    pool.
+    "cases" is the study itself. "finest" is there if an accuracy is requested: it has at most
+    `FEWEST_DIFFERENCES` realisations with the finest numerics, without flow, and with all stated
+    effects, also those that `effects.auto` would leave out. "pool" is there if the study has one.
     """
     study = whole.study
     ensembles = {"cases": whole}
@@ -106,22 +110,28 @@ def ensembles_of(whole: Configuration) -> dict[str, Configuration]:
 
 
 def dataset_of(ensemble: str) -> str:
-    """Return the name of the file of an ensemble's dataset in the folder of the study."""
+    """Return the name of the file of an ensemble's dataset in the study's folder of results."""
     return "study.nc" if ensemble == "cases" else f"{ensemble}.nc"
 
 
 def wall_name(study: Study, case: Case) -> tuple[str, ...]:
-    """Return the name from which, with a realisation's number, the seed of its walls derives."""
+    """Return the name of a case's walls; seeds derive from it and the realisations' numbers.
+
+    With common draws it names only the study (or the one whose surfaces are used) and the rock, so
+    that all cases of a rock have the same random numbers. With independent draws it names the case.
+    """
     name = study.surfaces_of or study.name, case.rock
     return (*name, case.parameter, case.level) if study.draws == "independent" else name
 
 
 def blocks_of(whole: Configuration, realizations: int | None = None) -> list[range]:
-    """Split the realisations of every case into blocks, one for each job.
+    """Return the blocks into which the realisations of every case are split, one for each job.
 
-    Blocks have ``study.realizations_per_job`` realisations. If this is null, they take about
-    `JOB_SECONDS`. For a requested accuracy, which gives a growing number of ``realizations``, they
-    then have `BLOCK` realisations (`FEW` with the finest numerics): complete blocks do not change.
+    Blocks have ``study.realizations_per_job`` realisations, the last one maybe fewer. If this is
+    null, a block takes about `JOB_SECONDS`. ``realizations`` are those reached so far of a study
+    with a requested accuracy, in which their number grows. If ``realizations_per_job`` is null,
+    blocks then have `BLOCK` realisations (`FEW` with the finest numerics), so that complete blocks
+    never change.
     """
     study = whole.study
     last = realizations or study.realizations
@@ -134,10 +144,10 @@ def blocks_of(whole: Configuration, realizations: int | None = None) -> list[ran
 
 
 def expected_seconds(whole: Configuration) -> float:
-    """Return roughly the processor time [s] of a joint of the rock whose effects cost most.
+    """Return roughly the processor time [s] of a joint of that rock whose effects take longest.
 
-    Realisations are split over jobs by this time. An error by a factor of three changes only the
-    length of the jobs.
+    The number of realisations in a job is chosen by this time. If it is wrong by a factor of three,
+    only the duration of jobs changes.
     """
     scenes = (rock.effects for rock in whole.rocks.values())
     return seconds_by_paper(whole) * max(relative_cost(one, whole.numerics) for one in scenes)
@@ -146,14 +156,17 @@ def expected_seconds(whole: Configuration) -> float:
 def seconds_by_paper(whole: Configuration) -> float:
     """Return roughly the processor time [s] of a joint by the paper's steps with all effects.
 
-    Joints of 100 x 100 cells take about half a second (docs/accuracy.md).
+    A joint of 100 x 100 cells takes a quarter of a second for each cycle (docs/accuracy.md).
     """
     cells = whole.grid.cells_x * whole.grid.cells_y
     return 0.25 * whole.study.cycles * (cells / 1e4) ** 1.5
 
 
 def closed_keys(keys: dict) -> dict:
-    """Return the keys on which closures may depend; only these are stored with the closures."""
+    """Return the part of the keys of a configuration on which closures may depend.
+
+    Only this part is stored with the closures. Titles of rocks are replaced by their names.
+    """
     without = {"output": "wall_strength_ratio", "study": "accuracy"}
     parts = {part: {k: v for k, v in keys[part].items() if k != no} for part, no in without.items()}
     # the title of a rock changes no closure, and rocks that the study has not change nothing
@@ -198,7 +211,7 @@ def block_settings(study: Configuration, case: Case, block: range) -> ClosureSet
 
 
 def first_with_surfaces(whole: Configuration, cases: Mapping[str, Case]) -> dict[str, str]:
-    """Return for each label of a case the label of the first case with the same surfaces."""
+    """Return for each case, by label, the label of the first case that has the same surfaces."""
     first: dict[str, str] = {}
     return {
         label: first.setdefault(

@@ -1,7 +1,7 @@
-"""Files of a study, which are read only if they are undamaged and belong to this study.
+"""Reading of a study's netCDF files, which must be undamaged and belong to this study.
 
 The attribute ``key`` of a file is the digest of what it was made from. All jobs read files with
-these functions, so that a file of other settings in its place raises an error.
+these functions, so that a file that was made from other settings raises an error.
 """
 
 import contextlib
@@ -20,7 +20,7 @@ class ForeignFileError(InputError):
 
 
 def foreign(path: str | Path) -> ForeignFileError:
-    """Return the error for a file of other settings, surfaces or code."""
+    """Return the error for a file that was made from other settings, surfaces or code."""
     return ForeignFileError(
         f"{path}: is not of this study (other settings, surfaces or code): {MAKE_AGAIN}"
     )
@@ -28,7 +28,9 @@ def foreign(path: str | Path) -> ForeignFileError:
 
 @contextlib.contextmanager
 def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
-    """Open a file of this study; its values are read when they are used.
+    """Open a file of this study as a dataset, whose values are read when they are used.
+
+    It is closed when the context ends.
 
     Raises
     ------
@@ -44,6 +46,9 @@ def reading_checked(path: str | Path, key: str) -> Iterator[xr.Dataset]:
 
 
 def read_checked(path: str | Path, key: str, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """Read a file of this study, except variables ``without``; errors as for `reading_checked`."""
+    """Read a file of this study into memory, except the variables ``without``.
+
+    Errors are as for `reading_checked`. Variables that the file lacks are ignored.
+    """
     with reading_checked(path, key) as stored:
         return stored.drop_vars(without, errors="ignore").load()

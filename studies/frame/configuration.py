@@ -1,4 +1,4 @@
-"""The configuration of a study: merged, checked and in SI, once and in one place."""
+"""The configuration of a study: its files are merged and checked here, and converted to SI."""
 
 import functools
 import math
@@ -25,17 +25,20 @@ _Section = TypeVar("_Section", bound="StudySection")
 
 
 class StudySection(keys.Section):
-    """Section of an experiment: defined in ``section.py`` of its folder, named as the folder."""
+    """Section of an experiment in a configuration.
+
+    It is defined in ``section.py`` of the experiment's folder, and has the name of the folder.
+    """
 
     mates: ClassVar[bool] = False
-    """Whether the experiment sets how far walls mate, so that the study must not."""
+    """Whether the experiment sets how far walls mate, so that the study's own keys must not."""
     by_default: ClassVar[bool] = False
-    """Whether a section that is left out has its default keys; otherwise it is null."""
+    """Whether the section has its default keys if a file leaves it out; otherwise it is null."""
     of_scans: ClassVar[bool] = False
-    """Whether the experiment takes scanned walls; otherwise it makes walls of a given JRC."""
+    """Whether the experiment also takes scanned walls; otherwise it needs walls of a given JRC."""
 
     def problems(self, configuration: "Configuration") -> Iterator[str]:
-        """Generate contradictions within the section and with the study, one line each."""
+        """Generate a line for each contradiction within the section or with the study."""
         yield from ()
 
 
@@ -71,7 +74,11 @@ class Configuration(keys.Section):
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
-        """Keep the study's rocks in its order, and fill in values that follow from other keys."""
+        """Return the configuration with the study's rocks only, in the study's order.
+
+        Values that follow from other keys are filled in where these are null. Raise `ValueError`
+        for unknown rocks.
+        """
         if unknown := [name for name in self.study.rocks if name not in self.rocks]:
             allowed = f"must be one of rocks ({', '.join(self.rocks)})"
             meant = {name: did_you_mean(name, self.rocks) for name in unknown}
@@ -95,32 +102,32 @@ class Configuration(keys.Section):
 
     @property
     def stated(self) -> dict:
-        """Keys from which the configuration was read."""
+        """Merged keys, in the units of files, from which the configuration was read."""
         return self._stated
 
     @property
     def titles(self) -> dict[str, str]:
-        """Titles of the rocks by their keys, in the order of the study."""
+        """Titles of the rocks by their names, in the order of the study."""
         return {name: rock.title for name, rock in self.rocks.items()}
 
     def file(self, name: str) -> str:
-        """Return the path of a file of the study."""
+        """Return the path of a file in the study's folder of results."""
         return f"results/{self.study.name}/{name}"
 
     @property
     def study_sections(self) -> dict[str, StudySection]:
-        """Sections of experiments that are stated, by name."""
+        """Sections of experiments that a file states and that are not null, by name."""
         return {
             name: getattr(self, name) for name in sections() if self.stated.get(name) is not None
         }
 
     def section_or_none(self, kind: type[_Section]) -> _Section | None:
-        """Return the section of an experiment, or None if it is null."""
+        """Return the section of an experiment by its class; None if it is null."""
         section: _Section | None = getattr(self, folder_of(kind))
         return section
 
     def section(self, kind: type[_Section]) -> _Section:
-        """Return the section of an experiment; raise `InputError` if it is left out."""
+        """Return the section of an experiment by its class; raise `InputError` if it is null."""
         section = self.section_or_none(kind)
         if section is None:
             raise InputError(f"{folder_of(kind)} = null: must be given for this study")
@@ -129,7 +136,10 @@ class Configuration(keys.Section):
 
 @functools.cache
 def sections() -> dict[str, type[StudySection]]:
-    """Return the classes of the experiments' sections by the name of the experiment's folder."""
+    """Return the classes of the sections of all experiments, by the names of their folders.
+
+    All modules ``section.py`` are imported.
+    """
     for path in Path(__file__).parents[1].glob("*/section.py"):
         import_module(f"studies.{path.parent.name}.section")
     found = sorted(StudySection.__subclasses__(), key=folder_of)
@@ -151,18 +161,21 @@ def model() -> type[Configuration]:
 
 
 OTHER_TARGETS = ("hard_cases",)
-"""Folders of results of targets that are no studies."""
+"""Folders of results that belong to targets other than studies, so that no study may have them."""
 USUAL = parameters.USUAL | {"stress": parameters.USUAL["max_normal_stress"]}
-"""Least and largest values that are usual, and their unit, by name of a key without its unit."""
+"""Least and largest usual value [SI] and the unit, by the name of a key without its unit."""
 
 
 def merged_study(*paths: Path) -> dict:
-    """Merge configuration files over the default configuration, without checking the result."""
+    """Return the keys of configuration files, merged over the default one, in their units.
+
+    Later files replace keys of earlier ones. The result is not checked yet.
+    """
     return merged(*(written_out(read_plain(path)) for path in (DEFAULT, *paths)))
 
 
 def written_out(stated: dict) -> dict:
-    """Return the keys with ``effects: auto`` replaced by all effects and `AUTO_TOLERANCE`."""
+    """Return keys in which ``effects: auto`` is replaced by all effects and `AUTO_TOLERANCE`."""
     if stated.get("effects") != "auto":
         return stated
     effects = parameters.Effects()._asdict() | {"auto": parameters.AUTO_TOLERANCE}
@@ -170,17 +183,20 @@ def written_out(stated: dict) -> dict:
 
 
 def configured(stated: dict) -> Configuration:
-    """Check merged keys, and read them in SI; `ConfigurationError` names each that is wrong."""
+    """Return the configuration [SI] of merged keys, with all checks.
+
+    Raise `ConfigurationError` that lists each wrong key and each contradiction.
+    """
     study = read_stored(written_out(stated))
     refuse(contradictions(study))
     return study
 
 
 def read_stored(stated: dict) -> Configuration:
-    """Read merged keys in SI, and fill in those that follow from others.
+    """Return the configuration [SI] of merged keys that are stored with a finished study.
 
-    `ConfigurationError` names wrong keys. Contradictions between keys are not looked for, which
-    `configured` does: keys that are stored with a finished study were checked when it was made.
+    Values that follow from other keys are filled in. Raise `ConfigurationError` for wrong keys.
+    Contradictions between keys are not looked for, as `configured` did so when the study was made.
     """
     study = keys.validated(model(), stated)
     study._stated = stated
@@ -188,7 +204,7 @@ def read_stored(stated: dict) -> Configuration:
 
 
 def contradictions(whole: Configuration) -> Iterator[str]:
-    """Generate contradictions between keys that are each valid, one line each."""
+    """Generate a line for each contradiction between keys that are valid on their own."""
     stated = whole.stated
     study = whole.study
     surface = whole.surface
@@ -254,7 +270,7 @@ def contradictions(whole: Configuration) -> Iterator[str]:
 
 
 def _refused(checks: Iterable[tuple]) -> Iterator[str]:
-    """Generate the messages of checks (function, arguments) that raise an `InputError`."""
+    """Call checks, given as (function, arguments); generate the messages of their `InputError`."""
     for check, *arguments in checks:
         try:
             check(*arguments)
@@ -263,7 +279,7 @@ def _refused(checks: Iterable[tuple]) -> Iterator[str]:
 
 
 def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:
-    """Generate contradictions of a rock with the study, one line each."""
+    """Generate a line for each contradiction of a rock with the study; ``where`` is its key."""
     seating = whole.seating_stress
     end = whole.output.largest_stress
     stress = f"{where}.max_normal_stress_MPa = {in_unit(rock.max_normal_stress, 'MPa'):g}"
@@ -286,7 +302,10 @@ def _rock_problems(where: str, rock: StudyRock, whole: Configuration) -> Iterato
 
 
 def _beyond_strength(where: str, rock: StudyRock, whole: Configuration) -> Iterator[str]:
-    """Generate a line if no walls carry the maximum stress of a rock, as it is or at a level."""
+    """Generate a line if no walls can carry the maximum stress of a rock.
+
+    The rock is tried with its own properties, and with each level of them. ``where`` is its key.
+    """
     cases = [("", "", rock)]
     for name in (name for name in parameters.OF_ROCK if name in rock.levels):
         key = f"{where}.levels.{parameters.key_of(name)} ="
@@ -305,12 +324,13 @@ def stress_problems(
     whole: Configuration,
     more: Iterable[parameters.Numerics] = (),
 ) -> Iterator[str]:
-    """Generate one line if no walls of some rocks carry the maximum stress [Pa] of a key.
+    """Generate one line if no walls of some cases can carry a maximum stress [Pa].
 
-    ``cases`` are rocks, each after the words on what is changed and on its value, which are empty
-    for a rock as it is. ``more`` are numerics with which joints are simulated besides those of the
-    study. The line lists all cases, with the stress that each carries; a case that carries as much
-    as the rock as it is, which is refused, is left out.
+    ``key`` is where the stress is stated. Each of the ``cases`` is (what is changed, its value, the
+    rock with this change); both texts are "" for an unchanged rock. ``more`` are numerics with
+    which joints are simulated besides those of the study. The line lists each case that cannot
+    carry the stress, with the stress that it carries. If the unchanged rock is among them, cases
+    that carry the same stress as it are left out.
     """
     from jointclosure.joint.feasibility import largest_stress  # loads the solvers
 
@@ -345,7 +365,10 @@ def stress_problems(
 
 
 def _unusual(stated: dict, where: str = "") -> Iterator[str]:
-    """Generate a message for each value that is unusual for rock; ``where`` precedes its key."""
+    """Generate a line for each value of nested keys, in their units, that is unusual for rock.
+
+    ``where`` is the path of the section, which precedes the key. A value of 0 is accepted.
+    """
     for key, value in stated.items():
         name, unit = name_and_unit(key)
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Datasets of a study: files of joints, checked and joined over all cases of an ensemble."""
+"""Datasets of a study: files of joints are checked, and joined over all cases of an ensemble."""
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -16,15 +16,15 @@ from studies.frame.joint_tables import join_cases
 from studies.frame.settings import Case, Point
 
 ROWS = 256
-"""Largest number of realisations in memory at a time; so many are compressed together."""
+"""Largest number of realisations that are in memory, and are compressed, together."""
 CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
 """Curves over stress: nine tenths of the numbers of a study."""
 
 
 def joints_key(point: Point, code: str) -> str:
-    """Return the digest of all that the joints of a point depend on except their realisations.
+    """Return the digest of all on which the joints of a point depend, except their realisations.
 
-    ``code`` is the digest of the code that simulates them.
+    ``code`` is the digest of the code that simulates the joints.
     """
     settings = point.settings._replace(first_realization=0, realizations=0)
     return digest(point._replace(settings=settings), code)
@@ -47,14 +47,14 @@ def case_in(path: str | Path, joints: xr.Dataset, keys: Mapping[str, str]) -> st
 
 
 def check_complete(files: Mapping[str, str], realizations: Mapping[str, Sequence[int]]) -> int:
-    """Return the number of realisations; check that each case has each of them in one file.
+    """Check that each case has the same realisations, each in one file; return their number.
 
     Parameters
     ----------
     files : mapping
-        Label of the case of each file.
+        Label of the case of each file, by the path of the file.
     realizations : mapping
-        Numbers of the realisations in each file, from 0.
+        Numbers of the realisations in each file, from 0, by the path of the file.
 
     Raises
     ------
@@ -82,7 +82,10 @@ def check_complete(files: Mapping[str, str], realizations: Mapping[str, Sequence
 
 
 def of_case(joints: xr.Dataset) -> xr.Dataset:
-    """Return joints of one case along ``realization``, without the coordinates of the case."""
+    """Return joints of one case along ``realization`` in place of ``joint``.
+
+    The coordinates that name the case are dropped.
+    """
     joints = joints.drop_vars(["case", "rock", "parameter", "level", "value", "cycles"])
     return joints.swap_dims(joint="realization")
 
@@ -153,10 +156,11 @@ def write_ensemble(
 
 
 def chosen_effects(files: Iterable[str], keys: Mapping[str, str]) -> str:
-    """Return the effects that were chosen for each rock as JSON.
+    """Return as JSON the effects that were chosen for each rock.
 
-    ``files`` are those of `choose_rock_effects`, named by rock; ``keys`` are the keys of the files
-    by rock. Errors are as for `read_checked`.
+    ``files`` have the datasets of `choose_rock_effects`, and the name of the rock as file name
+    without its suffix. ``keys`` are their attributes ``key``, by rock. Errors are as for
+    `read_checked`.
     """
     chosen = {}
     for file in files:
@@ -166,7 +170,7 @@ def chosen_effects(files: Iterable[str], keys: Mapping[str, str]) -> str:
 
 
 def read_joints(files: Iterable[str], keys: Mapping[str, str], cases: Sequence[Case]) -> xr.Dataset:
-    """Read closed joints of all cases as one dataset (case, realization, ...), without curves.
+    """Return the joints of all cases in files as one dataset (case, realization, ...), no curves.
 
     Arguments and errors are as for `write_ensemble`.
     """

@@ -21,19 +21,21 @@ if TYPE_CHECKING:  # drawing takes long to import
 
 
 Jobs = Mapping[str, Sequence[Point]]
-"""Points by the name of the job that closes them; names are never parsed."""
+"""Points by the name of the job that simulates their joints; names of jobs are never parsed."""
 Tables = Mapping[str, "pd.DataFrame"]
-"""Tables of an experiment by name, without their suffix."""
+"""Tables of an experiment, by the names of their files without suffix."""
 
 
 class Experiment(NamedTuple):
     """Description of an experiment.
 
-    ``quantities`` (names in `QUANTITIES`) are read of the joints at the points of ``jobs``.
-    ``tables`` are functions of a table of all joints and of ``settings``, by name of the file in
-    ``tables/``. ``figures`` are functions of the tables and the settings, by name of the file in
-    ``figures/`` without its suffix. ``check`` raises `InputError` for a study that cannot be run;
-    it contains checks that are too slow for `StudySection.problems`.
+    ``jobs`` is a function that makes the points of a study, and ``quantities`` are the names (in
+    `QUANTITIES`) of the results that are read of their joints. ``tables`` has functions that make a
+    table, or a text, from the table of all joints and from ``settings`` of the study, by the name
+    of the file in ``tables/``. ``figures`` has functions that draw a figure from the tables and the
+    settings, by the name of the file in ``figures/`` without its suffix. ``check`` raises
+    `InputError` for a study that cannot be run; it has the checks that are too slow for
+    `StudySection.problems`.
     """
 
     title: str
@@ -46,12 +48,12 @@ class Experiment(NamedTuple):
 
 
 def experiment_named(name: str) -> Experiment:
-    """Return the experiment of a folder.
+    """Return the description of an experiment by the name of its folder.
 
     Raises
     ------
     InputError
-        If no experiment has this name, or if it reads a quantity that does not exist.
+        If no experiment has this name, or if one of its quantities does not exist.
     """
     if name not in sections():
         known = ", ".join(sections())
@@ -67,14 +69,17 @@ def experiment_named(name: str) -> Experiment:
 
 
 def case_point(study: Configuration, case: Case, block: range) -> Point:
-    """Return the point of a case, for a block of its realisations."""
+    """Return the point at which the joints of a case are simulated, for a block of realisations."""
     about = ("rock", "parameter", "level", "value")
     at = {"case": case.label} | {name: getattr(case, name) for name in about}
     return Point(at, block_settings(study, case, block))
 
 
 def settings_of(study: Configuration, case: Case, **surface: Any) -> ClosureSettings:
-    """Return the settings of all realisations of a case, with changed keys of the surfaces."""
+    """Return the settings of the joints of a case, for all realisations of the study.
+
+    ``surface`` are fields of `Synthesis` [SI] that replace those of the study.
+    """
     settings = block_settings(study, case, range(study.study.realizations))
     return settings._replace(surface=settings.surface._replace(**surface))
 
@@ -82,10 +87,11 @@ def settings_of(study: Configuration, case: Case, **surface: Any) -> ClosureSett
 def at_wavelengths(
     study: Configuration, wavelengths: Iterable[float]
 ) -> Iterator[tuple[str, str, float, ClosureSettings]]:
-    """Generate rock, name, wavelength [m] and settings of base cases at mismatch wavelengths [m].
+    """Generate the settings of each rock's base case at each of the mismatch wavelengths [m].
 
-    The last ones of each rock have independent walls: their wavelength is infinite, in the settings
-    None.
+    Before the settings stand the rock, a name for the wavelength, and the wavelength [m]. The last
+    settings of each rock are those of independent walls: their wavelength is infinite, and None in
+    the settings.
     """
     for rock in study.rocks:
         case = base_case(study, rock)

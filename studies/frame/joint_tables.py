@@ -1,4 +1,4 @@
-"""Results of all cases of a study in one dataset, and tables of joints."""
+"""Joints of all cases of a study in one dataset, and tables of the joints of an experiment."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
@@ -27,14 +27,15 @@ _ABOUT = (
         "max_normal_stress": {"long_name": "maximum nominal normal stress", "units": "Pa"},
     }
 )
-"""Numeric coordinates of a study's cases."""
+"""Attributes of the numeric coordinates of a study's cases, by the name of the coordinate."""
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
-    """Join all cases of a study along ``case``.
+    """Return the joints of all cases of a study in one dataset, along ``case``.
 
-    ``closed`` are the joints of each case over ``realization``. Coordinates are the names, the
-    changed parameter and the properties of the cases.
+    ``closed`` are the joints of each case over ``realization``. The cases have their names, the
+    changed parameter and the properties of the rock as coordinates. Seeds are over case and
+    realisation.
     """
     study = xr.concat(closed, "case", join="exact", coords="minimal", compat="override")
     columns = {
@@ -55,7 +56,7 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
 
 
 def changes_of_cases(study: xr.Dataset) -> dict[str, str]:
-    """Return what each case changes, with its value, such as "JRC 12"; "" for base cases."""
+    """Return what each case changes, as text such as "JRC 12", by label; "" for base cases."""
     texts = {}
     columns = (study[name].values.tolist() for name in ("case", "parameter", "value"))
     for label, parameter, value in zip(*columns, strict=True):
@@ -69,7 +70,7 @@ def changes_of_cases(study: xr.Dataset) -> dict[str, str]:
 
 
 def succeeded(study: xr.Dataset) -> xr.DataArray:
-    """Return whether each simulation succeeded: its status is below `FAILURE`."""
+    """Return which simulations succeeded: their status is below `FAILURE`."""
     return study.status < FAILURE
 
 
@@ -82,14 +83,14 @@ _IN_WORDS = {
 
 
 def in_words(name: str) -> str:
-    """Return the name of a status bit as text (docs/reference.md)."""
+    """Return words for a flag of a status, such as "Rigid contact" for "rigid_contact"."""
     return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
 
 
 def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
-    """Return closures [m] of a study's dataset since seating of the cycle, net or gross.
+    """Return the curves of closure [m] since seating in each cycle, net or gross.
 
-    They are (..., cycle, branch, stress).
+    They are (..., cycle, branch, stress) like ``closure`` of the study's dataset.
     """
     kind, closure = ("_net", study.closure - study.bulk_indentation) if net else ("", study.closure)
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
@@ -99,7 +100,9 @@ def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
 def over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.DataFrame:
     """Return a table of ``columns`` with a row for each combination of ``keys`` and stress.
 
-    ``stress`` [Pa] becomes ``stress_MPa``. A table by case also names rock, parameter and level.
+    ``columns`` are arrays by name over the dimensions ``keys`` and "stress". The coordinate
+    ``stress`` [Pa] becomes the column ``stress_MPa``. If "case" is a key, rock, parameter and level
+    are columns too.
     """
     table = xr.Dataset(columns).assign_coords(stress=1e-6 * stress).rename(stress="stress_MPa")
     keys = [*keys, "stress_MPa"]
@@ -111,9 +114,9 @@ def over_stress(columns: dict, stress: xr.DataArray, keys: list[str]) -> pd.Data
 
 
 def as_table(files: Iterable[xr.Dataset]) -> pd.DataFrame:
-    """Return a table of the joints in datasets, with a row for each cycle of each joint.
+    """Return a table of the joints in datasets, with a row for each load cycle of each joint.
 
-    Curves are left out, and ``timing_simulation`` is named ``seconds``.
+    Curves and results by direction of flow are left out; ``timing_simulation`` becomes ``seconds``.
     """
     parts = (file.drop_dims(("branch", "stress", "direction"), errors="ignore") for file in files)
     tables = [
@@ -124,9 +127,10 @@ def as_table(files: Iterable[xr.Dataset]) -> pd.DataFrame:
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Arrange a table of joints (`as_table`) as a dataset over the columns ``over`` and the cycle.
+    """Return a table of joints (`as_table`) as a dataset over the columns ``over`` and the cycle.
 
-    ``over`` has to identify a joint. ``status`` and ``seconds`` have no cycle.
+    The columns ``over`` must identify a joint. The dataset has the ``quantities``, and ``status``
+    and ``seconds``, which are not over the cycle.
     """
     grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
     for name in ("status", "seconds"):
@@ -135,9 +139,10 @@ def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]
 
 
 def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
-    """Generate coordinates, and the joints that share them, for each group of the columns ``by``.
+    """Generate groups of joints with the same values in the columns ``by``.
 
-    The coordinates have the names and units of published tables, the joints those of the table.
+    Before the rows of each group stand these values, by the names and in the units of published
+    tables. The rows keep the names and SI units of the table of joints.
     """
     for values, part in joints.groupby(list(by), sort=False, dropna=False):
         at = {}
@@ -148,9 +153,9 @@ def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd
 
 
 def mean_shown(name: str, values: np.ndarray) -> Estimate:
-    """Compute the mean of a quantity (n,) [SI], with its standard error, in the unit of tables.
+    """Return the mean of values (n,) [SI] of a quantity, in the unit in which tables show it.
 
-    The mean of stiffnesses is harmonic.
+    It has its standard error. The mean of stiffnesses is harmonic.
     """
     shown = COLUMNS[name][1] * np.asarray(values, dtype=float)
     if QUANTITIES[name].has_harmonic_mean:

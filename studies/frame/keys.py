@@ -24,14 +24,17 @@ from jointclosure.walls.synthesis import RULES
 from studies.frame.yaml_files import refuse, short
 
 _LARGEST = 10**300
-"""Integers beyond it have no floating-point number in every unit."""
+"""Largest integer that is accepted; larger ones may be no floating-point number in some unit."""
 _STEPS = [name for name in Numerics._fields if name.endswith("_step")]
 T = TypeVar("T")
 _Keys = TypeVar("_Keys", bound=BaseModel)
 
 
 def must(words: str, holds: Callable[[Any], bool]) -> AfterValidator:
-    """Return the annotation of a value for which ``holds`` must be true; ``words`` state it."""
+    """Return an annotation by which a value must satisfy ``holds``.
+
+    Otherwise pydantic reports an error that the value "must" do what ``words`` say.
+    """
 
     def checked(value: Any) -> Any:
         if not holds(value):
@@ -59,10 +62,11 @@ Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
 
 
 def entry(description: str, default: Any = ..., *, alias: str | None = None, **about: Any) -> Any:
-    """Declare a key: its description, its default [SI], and arguments of `pydantic.Field`.
+    """Declare a key of a configuration, with its description and its default [SI].
 
-    ``alias`` is its name in files if this differs, as by a unit at its end. Bounds are in that
-    unit, and values are converted to SI once they are checked.
+    ``alias`` is the name of the key in files if it differs from that of the attribute, for example
+    by a unit at its end. ``about`` are arguments of `pydantic.Field`; bounds among them are in that
+    unit. Values are converted to SI after they are checked.
     """
 
     def in_si(value: Any) -> Any:
@@ -86,9 +90,10 @@ class Section(BaseModel):
 
 
 def keys_of(fields: Any, **units: str) -> Any:
-    """Return a section with a key for each field of `Choices` or `Numerics`.
+    """Return the class of a section that has a key for each field of `Choices` or `Numerics`.
 
-    ``units`` are the units of keys by the name of the field.
+    ``units`` has the units in which files state fields, by the name of the field. Descriptions are
+    those in the docstring of ``fields``.
     """
     keys: dict[str, Any] = {}
     for name, text in documented(fields).items():
@@ -104,7 +109,7 @@ def keys_of(fields: Any, **units: str) -> Any:
 
 
 def made_of(section: type[Section]) -> GetPydanticSchema:
-    """Return the annotation of a named tuple that is read from a section with the same names."""
+    """Return the annotation of a named tuple whose fields are read from the keys of a section."""
 
     def schema(kind: Any, handler: Any) -> Any:
         return core_schema.no_info_after_validator_function(
@@ -117,7 +122,8 @@ def made_of(section: type[Section]) -> GetPydanticSchema:
 
 
 OR_NULL = GetPydanticSchema(lambda kind, handler: core_schema.nullable_schema(handler(kind)))
-"""Annotation of a value that may be null in a file; reading the section replaces null."""
+"""Annotation of a value that may be null in a file. The section replaces null by a value when it is
+read."""
 
 
 class Accuracy(Section):
@@ -307,14 +313,20 @@ class Output(Section):
 
 @functools.cache
 def json_schema(keys: type[BaseModel]) -> dict:
-    """Return the JSON schema of a model of keys, without references; no key is required."""
+    """Return the JSON schema of a model of keys, with references written out.
+
+    No key is required, as files are merged over the default configuration.
+    """
     whole = keys.model_json_schema()
     about = _written_out(whole, whole.pop("$defs", {}))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | about
 
 
 def _written_out(schema: dict, parts: dict) -> dict:
-    """Return a schema with references to ``parts`` inserted, and alternatives merged into one."""
+    """Return a JSON schema in which references are replaced by the ``parts`` that they name.
+
+    Alternatives (anyOf) are merged into one; titles, defaults and required keys are left out.
+    """
     if "$ref" in schema:
         schema = parts[schema["$ref"].rpartition("/")[2]] | schema
     left_out = ("$ref", "title", "default", "required")  # a file overrides defaults
@@ -338,9 +350,9 @@ def _written_out(schema: dict, parts: dict) -> dict:
 
 
 def validated(keys: type[_Keys], settings: dict, what: str = "configuration") -> _Keys:
-    """Read settings by a model of keys; `ConfigurationError` names each key that is wrong.
+    """Return nested keys as read and checked by a model.
 
-    ``what`` begins the message of the error.
+    Raise `ConfigurationError` that lists each wrong key; ``what`` begins its message.
     """
     refuse(_not_readable(settings), what)
     try:
@@ -351,7 +363,10 @@ def validated(keys: type[_Keys], settings: dict, what: str = "configuration") ->
 
 
 def _not_readable(settings: object, path: tuple[str, ...] = ()) -> Iterator[str]:
-    """Generate a message for each text or number that no table, figure or file name can hold."""
+    """Generate a line for each text or number of nested keys that cannot be shown in results.
+
+    These are invisible characters, and numbers beyond `_LARGEST`. ``path`` leads to the keys.
+    """
     where = ".".join(path)
     if isinstance(settings, dict):
         for key, value in settings.items():
@@ -375,7 +390,7 @@ def _hidden(text: str) -> str:
 
 
 def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[str]:
-    """Generate a message for each key in which pydantic ``found`` errors."""
+    """Generate a line for each key of the settings in which pydantic ``found`` errors."""
     by_key: dict[tuple, list] = {}
     lists = {problem["loc"][:-1] for problem in found}
     for problem in found:
@@ -407,9 +422,10 @@ def _problems(keys: type[BaseModel], settings: dict, found: list) -> Iterator[st
 
 
 def _path(location: tuple, settings) -> tuple:
-    """Return the path of keys in settings of the location of a pydantic error.
+    """Return the path of keys in ``settings`` to which the location of a pydantic error leads.
 
-    Parts of the location that name types are left out. The last key may be missing in settings.
+    Parts of the location that name types are left out. The last key of the path may be missing in
+    the settings.
     """
     path = []
     value = settings
@@ -425,7 +441,10 @@ def _path(location: tuple, settings) -> tuple:
 
 
 def _allowed(error: dict) -> str:
-    """Return what is allowed in place of a value, in words; pydantic's where these are clear."""
+    """Return in words what is allowed in place of the value of a pydantic error.
+
+    Words are those of pydantic where these are clear.
+    """
     kind = error["type"]
     about = error.get("ctx", {})
     value = error["input"]
@@ -457,7 +476,7 @@ def _allowed(error: dict) -> str:
 
 
 def _known(keys: type[BaseModel], path: tuple) -> list[str]:
-    """Return the keys that a model has at a path."""
+    """Return the names of the keys that a model allows at a path of keys."""
     schema = json_schema(keys)
     for part in path:
         within = "items" if isinstance(part, int) else "additionalProperties"

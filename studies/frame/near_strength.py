@@ -1,7 +1,7 @@
-"""Points whose maximum stress is near the stress that all cells of the walls carry together.
+"""Points of a study near the strength: nearly the stress that all cells of the walls carry.
 
-Nearly all of their cells break, and their joints take many times as long as others
-(docs/hard_cases.md). They are found without walls, before a joint is simulated.
+Nearly all cells of their joints break, and these take many times as long as others
+(docs/hard_cases.md). Such points are found before a joint is simulated, without its walls.
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,15 +16,15 @@ from studies.frame.pilots import tried
 from studies.frame.settings import Point
 
 MOST_NAMED = 4
-"""Largest number of cases that are named in a note."""
+"""Largest number of cases that a note names."""
 
 
 @cache
 def share_of_strength(conditions: CheckedConditions) -> float:
-    """Return the maximum stress over that which all cells of the walls carry together [1].
+    """Return the maximum stress over the stress that all cells of the walls carry together [1].
 
-    It is 0 where nothing bounds this stress. If only radii are bounded, cells may carry less, and
-    the share may be larger.
+    It is 0 if nothing bounds the stress that they carry. If only the radii of contacts are bounded,
+    they may carry less, so that the true share may be larger.
     """
     # joints by fixed steps become as slow, but are not refused
     numerics = Numerics(breakage="resolved", tolerance=conditions.numerics.tolerance)
@@ -33,15 +33,15 @@ def share_of_strength(conditions: CheckedConditions) -> float:
 
 
 def is_near_strength(point: Point) -> bool:
-    """Return whether joints of a point take many times as long as at lower stresses."""
+    """Return whether a point is near the strength (its share is at least `NEAR_STRENGTH`)."""
     return share_of_strength(point.settings.conditions) >= NEAR_STRENGTH
 
 
 def tried_by_strength(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
-    """Group points as `tried` does, with those near the strength in groups of their own.
+    """Return the groups of points that `tried` returns; points near the strength have own groups.
 
-    If such a group has only one point, two of its joints are tried, so that the error of their time
-    is known.
+    If such a group has only one point, two of its joints are tried, so that the error of the mean
+    time is known.
     """
     points = list(points)
     near = tried(point for point in points if is_near_strength(point))
@@ -50,7 +50,10 @@ def tried_by_strength(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
 
 
 def _second_joint(points: Sequence[Point]) -> list[Point]:
-    """Return the only one of some points from its second joint on; none if it has no such joint."""
+    """Return a list with the only point of a group, beginning with its second joint.
+
+    The list is empty if there are several points, or only one joint, or if walls were scanned.
+    """
     settings = points[0].settings
     if len(points) > 1 or settings.realizations < 2 or settings.walls:
         return []
@@ -59,7 +62,7 @@ def _second_joint(points: Sequence[Point]) -> list[Point]:
 
 
 def notes_near_strength(points: Iterable[Point]) -> list[str]:
-    """Return a note that names the cases near the strength; none if there are none."""
+    """Return a list with a note that names the cases near the strength; it may be empty."""
     shares = {
         point.settings.case.label: share_of_strength(point.settings.conditions)
         for point in points

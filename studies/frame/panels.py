@@ -23,11 +23,11 @@ _KEY = 0.7
 _LETTER = 0.07
 """Width [inches] of a letter of a legend."""
 _INSIDE = 3
-"""Largest number of entries of a legend within a panel, if panels have different legends."""
+"""Largest number of entries of a legend that is drawn within a panel."""
 
 
 def key(label: str, **style) -> Line2D:
-    """Return an entry of a legend that stands for no line of the axes."""
+    """Return an entry of a legend for which nothing is drawn in the axes."""
     return Line2D([], [], label=label, **style)
 
 
@@ -39,10 +39,11 @@ def point_key(label: str, marker: str = "o", **style) -> Line2D:
 def legend_below(
     figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings: Any
 ) -> None:
-    """Put a legend below all axes.
+    """Draw a legend of ``handles`` below all axes of a figure.
 
-    It has ``columns``, or by default as many as fit into the width; a figure that is narrower than
-    one column is then widened. ``settings`` are those of `Figure.legend`.
+    It has the given number of ``columns``. By default it has as many as fit into the width of the
+    figure, which is widened if it is narrower than one column. ``settings`` are those of
+    `Figure.legend`.
     """
     settings |= {"ncols": columns or _fitting(handles, figure.get_figwidth()), "frameon": False}
     if columns is None:
@@ -51,12 +52,12 @@ def legend_below(
 
 
 def _width(handles: Sequence[Artist]) -> float:
-    """Return the width [inches] of a column of a legend."""
+    """Return the width [inches] of a column of a legend that has these entries."""
     return _KEY + _LETTER * max((len(str(handle.get_label())) for handle in handles), default=0)
 
 
 def _fitting(handles: Sequence[Artist], width: float) -> int:
-    """Return the largest number of columns of a legend that fits a width [inches], at least 1."""
+    """Return the largest number of columns, at least 1, of a legend that fits a width [inches]."""
     for count in range(len(handles), 1, -1):
         columns = np.array_split(np.arange(len(handles)), count)
         if sum(_width([handles[i] for i in column]) for column in columns) <= width:
@@ -74,9 +75,10 @@ def legend_keys(panels: Iterable[Axes]) -> list[Artist]:
 
 
 class Row(NamedTuple):
-    """Row of panels: its label, a table, and the columns of values and of their standard errors.
+    """Row of panels: its label, a table, and the names of two columns of the table.
 
-    ``axes`` are arguments of `Axes.set`.
+    The columns have the values that are drawn, and their standard errors. ``axes`` are arguments of
+    `Axes.set` for each panel.
     """
 
     label: str
@@ -87,11 +89,12 @@ class Row(NamedTuple):
 
 
 class PanelColumn(NamedTuple):
-    """Column of panels over a column ``along`` of tables, with a line for each value of ``lines``.
+    """Column of panels, in which tables are drawn over their column ``along``.
 
-    Only rows with the values ``where`` are drawn. ``scale`` is linear, log or symlog; if it is log,
-    0 and infinity are drawn at its ends. The row with the values ``level`` is drawn across the
-    panel. Values are given by column.
+    There is a line for each value of the column ``lines``. Only rows of the table with the values
+    ``where``, by column, are drawn. ``scale`` of the axis is linear, log or symlog; on a log scale
+    0 and infinity are drawn at its ends. If ``level`` has values by column, the row with these
+    values is no point of a line, but is drawn as a horizontal line across the panel.
     """
 
     along: str
@@ -108,11 +111,12 @@ class PanelColumn(NamedTuple):
 
 
 def _having(table: pd.DataFrame, values: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the rows of a table that have the given values, by column."""
     return table[(table[list(values)] == pd.Series(values, dtype=object)).all(axis=1)]
 
 
 Names = Mapping[str, Mapping[Any, str]]
-"""Names of values at axes and in legends, such as infinity, by column."""
+"""Names of values, such as infinity, at axes and in legends, by column and value."""
 
 
 @styled
@@ -126,10 +130,11 @@ def panels(
     reference: float | None = None,
     sharey: str | bool = "row",
 ) -> Figure:
-    """Draw values over coordinates, with error bars of ``bars`` standard errors to each side.
+    """Draw the values of tables over coordinates, with error bars, in a grid of panels.
 
-    Values of the column ``styles`` differ in their line style. ``reference`` is the height of a
-    horizontal grey line in all panels, and ``sharey`` is as for `matplotlib.pyplot.subplots`.
+    Bars have ``bars`` standard errors to each side. If ``styles`` names a column of the tables,
+    each of its values has a line style. ``reference`` is the height of a horizontal grey line in
+    all panels, and ``sharey`` is as for `matplotlib.pyplot.subplots`.
     """
     shape = (len(rows), len(columns))
     panel = (max(3.3, 6.6 / len(columns)), 2.3)
@@ -188,7 +193,7 @@ def panels(
 
 
 def _scale_words(column: PanelColumn, places: Mapping[float, float]) -> str:
-    """Return words on the scale of a column for the label of its axis."""
+    """Return words on the scale of a column of panels for the label of its axis; "" if linear."""
     positive = [value for value in places if value > 0.0]
     if column.scale == "symlog" and positive:
         return f",\nlogarithmic beyond {positive[0]:g}"
@@ -196,7 +201,7 @@ def _scale_words(column: PanelColumn, places: Mapping[float, float]) -> str:
 
 
 def _mark_below(axes: Axes) -> None:
-    """Mark values below the lower end of an axis there, by an arrow and the value."""
+    """Mark values below the lower end of the y axis at this end, by an arrow and the value."""
     low = axes.get_ylim()[0]
     for line in [container[0] for container in axes.containers]:
         for x, y in zip(*line.get_data(), strict=True):
@@ -212,9 +217,10 @@ def _name(column: Any, value: Any, names: Names) -> str:
 
 
 def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
-    """Return label, colour and marker of lines by value; the colours of real numbers ascend.
+    """Return the label, colour and marker of the line of each value of a column.
 
-    Markers are hollow where colours are repeated.
+    For real numbers colours follow their order. Otherwise colours may be repeated, and markers with
+    a repeated colour are hollow.
     """
     real = pd.api.types.is_float_dtype(values)
     known = list(dict.fromkeys(values.sort_values() if real else values))
@@ -229,7 +235,10 @@ def _looks(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
 
 
 def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
-    """Return label and line style by value, the largest first; other values have hollow markers."""
+    """Return the label and line style of each value of a column, the largest value first.
+
+    Markers of all but the largest value are hollow.
+    """
     dashes: dict[Any, dict[str, Any]] = {}
     styles = itertools.cycle(("-", "--", ":"))
     for value, style in zip(sorted(values.unique(), reverse=True), styles, strict=False):
@@ -239,7 +248,10 @@ def _dashes(values: pd.Series, names: Names) -> dict[Any, dict[str, Any]]:
 
 
 def _places(values: pd.Series, scale: str) -> dict[float, float]:
-    """Return the place of each value of a coordinate; 0 and infinity are moved on a log scale."""
+    """Return where each value of a coordinate is drawn on its axis, by value, ascending.
+
+    On a log scale 0 and infinity have places beyond the other values.
+    """
     known = np.sort(values.unique().astype(float))
     inner = known[(known > 0.0) & np.isfinite(known)]
     least, most = (inner[0], inner[-1]) if inner.size else (1.0, 1.0)
@@ -256,9 +268,11 @@ def _draw(
     bars: float,
     apart: float,
 ) -> None:
-    """Draw the lines of a panel, and the level of its column as a line with its error as a band.
+    """Draw the lines of a panel with their error bars, and the level of its column, if any.
 
-    Lines are ``apart`` [points] beside each other, so that their bars are seen.
+    ``lines`` has pairs: values by column that select a line's rows, and its style. ``places`` are
+    those of `_places`. Lines are drawn ``apart`` [points] beside each other, so that their bars do
+    not overlap. The error of the level is a band.
     """
     table = column.of(row.table)
     figure = axes.get_figure(root=True)

@@ -1,4 +1,4 @@
-"""Joints that are simulated before a study: to choose a rock's effects, and to estimate times."""
+"""Joints that are simulated before a study, to choose a rock's effects and to estimate times."""
 
 import json
 import math
@@ -18,27 +18,27 @@ from studies.frame.settings import BASE, Point, joints_of
 from studies.frame.simulation import Report, close_points, joined_rows, reading_of
 
 TRIED = 3
-"""Largest number of points of a group of which a joint is simulated to estimate its time."""
+"""Largest number of points of a group at which a joint is simulated to estimate times."""
 
 
 class Choice(NamedTuple):
-    """Point on which the effects of a rock are chosen, and numbers of its cases and joints."""
+    """Point on whose joints the effects of a rock are chosen, and for how many joints they hold."""
 
     point: Point
-    cases: int
-    joints: int
+    cases: int  # number of cases of the rock
+    joints: int  # number of joints of all these cases
 
 
 def examined(points: Mapping[str, Point]) -> Choice:
-    """Return the point on which the effects of a rock are chosen.
+    """Return the point on whose joints the effects of a rock are chosen.
 
-    ``points`` are those of all cases of the rock, by label. The case with the largest maximum
-    stress over compressive strength is taken, as effects matter most there; the base case if it is
-    among several.
+    ``points`` are those of all cases of the rock, by label. The point of the case with the largest
+    ratio of maximum stress to compressive strength is taken, as effects matter most there. Of
+    several such cases the base case is preferred.
     """
 
     def order(label: str) -> tuple[float, bool]:
-        case = points[label].settings.case  # of the largest stress over the strength
+        case = points[label].settings.case
         ratio = case.max_normal_stress / case.number("compressive_strength")
         return (-round(ratio, 12), case.parameter != BASE)
 
@@ -51,11 +51,12 @@ def choose_rock_effects(
     names: Iterable[str],
     report: Report = lambda line: None,
 ) -> xr.Dataset:
-    """Select the effects that a rock needs, to the tolerance of the configuration.
+    """Simulate joints to choose the effects that a rock needs, and return those with these effects.
 
-    The joints that were simulated with these effects are returned as by `close_joints`, with the
-    quantities ``names``. Attributes are the label of the ``case``, and ``chosen``: effects, error
-    and reasons as JSON.
+    Effects are chosen to the tolerance of the settings, on at most `MOST_PAIRS` of the ``walls``.
+    The joints are returned as by `close_joints`, with the quantities ``names``. Attributes are the
+    label of the ``case``, and ``chosen``: effects, error and reasons as JSON. ``report`` is called
+    with lines on the choice.
     """
     point, cases, joints = choice
     settings = choice.point.settings
@@ -74,9 +75,10 @@ def choose_rock_effects(
 
 
 def tried(points: Iterable[Point]) -> list[tuple[list[Point], int]]:
-    """Group points by rock, grid, effects and numerics.
+    """Return points at which joints are tried, by groups of the same rock, grid, effects, numerics.
 
-    Of each group at most `TRIED` points are returned, with the number of joints of all its points.
+    Of each group at most `TRIED` points are returned, with the number of joints of all points of
+    the group. Points with different names of ``options`` are in different groups.
     """
     alike: dict[tuple, list[Point]] = {}
     for point in points:
@@ -92,11 +94,12 @@ def estimate_time(
     report: Report,
     scanned: Mapping[str, Sequence[Walls]] = {},
 ) -> pd.DataFrame:
-    """Estimate the processor time [s] of groups of points (`tried`) from one joint of each point.
+    """Simulate one joint of each point of `tried` groups, to estimate the time of all joints.
 
-    ``scanned`` has one pair of walls of each rock whose walls were scanned. A row per group:
-    ``rock``, ``cells``, ``joints``, ``tried`` (joints that were timed), ``seconds`` of all joints
-    and their standard ``error``.
+    ``scanned`` has one pair of walls of each rock whose walls were scanned. The table has a row for
+    each group: ``rock``, ``cells``, ``joints``, ``tried`` (number of joints that were timed),
+    ``seconds`` (processor time [s] of all joints) and its standard ``error`` (NaN for one timed
+    joint).
     """
     rows = []
     loaded = set()
@@ -118,7 +121,7 @@ def estimate_time(
 
 
 def described_time(estimate: pd.DataFrame, notes: Sequence[str] = ()) -> str:
-    """Describe a table of `estimate_time` in a sentence, with ``notes`` on what it leaves out."""
+    """Return a sentence on a table of `estimate_time`, and ``notes`` on what it leaves out."""
     seconds = float(estimate.seconds.sum())
     unit, size = ("minutes", 60.0) if seconds >= 60.0 else ("seconds", 1.0)
     value = seconds / size

@@ -1,4 +1,4 @@
-"""Rocks of a configuration: properties, levels, scanned walls, a measured curve."""
+"""Rocks of a configuration: their properties, levels, scanned walls and measured curves."""
 
 import itertools
 import math
@@ -20,7 +20,7 @@ from studies.frame.yaml_files import refuse
 
 PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
 """Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
-mirrored in x, an independent synthetic wall with its slope and Hurst exponent, or a flat wall."""
+mirrored in x; an independent synthetic wall with its slope and Hurst exponent; or a flat wall."""
 Levels: Any = create_model(  # type: ignore[call-overload]
     "Levels",
     __base__=Section,
@@ -48,7 +48,7 @@ EffectKeys: Any = create_model(  # type: ignore[call-overload]
 
 
 def intact_keys(base: type[BaseModel]) -> Any:
-    """Return a model with the properties of an intact rock besides those of ``base``."""
+    """Return a model with the keys of ``base``, and a key for each property of an intact rock."""
     fields: dict[str, Any] = {}
     for name, about in OF_ROCK.items():
         unit = "" if about.unit == "1" else f" [{about.unit}]"
@@ -174,7 +174,7 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
 
     @property
     def levels(self) -> dict[str, tuple[float, ...]]:
-        """Values of each varied parameter in ascending order, that of the rock among them."""
+        """Ascending values [SI] of each varied parameter, with the rock's own value among them."""
         return {
             name: tuple(sorted([*others, getattr(self, name)]))
             for name in PROPERTIES
@@ -182,16 +182,16 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
         }
 
     def titled(self, name: str) -> "StudyRock":
-        """Return the rock with a title; if it has none, one is made of its key ``name``."""
+        """Return the rock with a title, which is made of its key ``name`` if it has none."""
         return self if self.title else self._replace(title=title_of_key(name))
 
     def with_effects(self, usual: Effects) -> "StudyRock":
-        """Return the rock with every effect stated; ``usual`` has those that it leaves open."""
+        """Return the rock with every effect stated; effects that it leaves open are the usual."""
         stated = {name: on for name, on in self.effects._asdict().items() if on is not None}
         return self._replace(effects=usual._replace(**stated))
 
     def problems(self, where: str) -> Iterator[str]:
-        """Generate contradictions between the keys of the rock ``where``, one line each."""
+        """Generate a line for each contradiction between keys of the rock; ``where`` is its key."""
         stress = self.max_normal_stress
         walls = self.walls
         others = self.other_levels.jrc
@@ -229,7 +229,7 @@ class StudyRock(intact_keys(Section)):  # type: ignore[misc]
 
 
 def _wall_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
-    """Generate contradictions between the keys of scanned walls, one line each."""
+    """Generate a line for each contradiction between keys of scanned walls at the key ``where``."""
     files = wall_files(walls)
     inverted = f"{where}.inverted = {list(walls.inverted)!r}"
     if not files:
@@ -256,18 +256,21 @@ def _wall_problems(walls: ScannedWalls, where: str) -> Iterator[str]:
 
 
 def title_of_key(name: str) -> str:
-    """Return a title made of the key of a rock, such as "My rock" of "my_rock"."""
+    """Return a title made of the key of a rock: "My rock" for "my_rock"."""
     words = name.replace("_", " ")
     return words[0].upper() + words[1:]
 
 
 def wall_files(walls: ScannedWalls) -> dict[str, str]:
-    """Return the paths of scans by "upper" and "lower": one file, or three between commas."""
+    """Return the scan files by side ("upper", "lower"), without walls that are no file.
+
+    Each is the path of a file, or three paths with commas between them.
+    """
     return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 
 
 def check_files(rocks: dict[str, StudyRock]) -> None:
-    """Raise `InputError` if files of scanned walls or of measured curves are missing; name all."""
+    """Raise `ConfigurationError` that lists all missing files of scans and of measured curves."""
     refuse(_missing_files(rocks))
 
 

@@ -1,4 +1,4 @@
-"""Scanned walls of a rock, interpolated on the joint's grid and cut into the joints of a study."""
+"""Scanned walls of a study's rock: put on the grid of the joints, and cut into the joints."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -35,10 +35,11 @@ REGISTRATION = ("orientation", "shift", "spikes", "largest_filled_share")
 def walls_of_files(
     settings: ScannedWalls, spacing: float, jrc_relation: str, unusual_values: bool
 ) -> xr.Dataset:
-    """Read the scans that ``settings`` name, and return their walls as `prepared_walls` does.
+    """Read the scans that ``settings`` name, and return the dataset of `prepared_walls`.
 
     The grid has a ``spacing`` [m]. ``jrc_relation`` is the name of a relation in
-    `jointclosure.walls.jrc.RELATIONS`, by which each wall receives its equivalent JRC.
+    `jointclosure.walls.jrc.RELATIONS`, which gives the equivalent JRC of each wall. Errors are as
+    for `read_scan` and `prepared_walls`.
     """
     stated: dict[str, Any] = {"units": settings.units, "variable": settings.variable}
     scans = {
@@ -55,11 +56,13 @@ def prepared_walls(
     jrc_relation: str,
     unusual_values: bool = False,
 ) -> xr.Dataset:
-    """Put scans ("upper", "lower" or both) on a grid of some spacing [m], as heights (y, x) [m].
+    """Return a dataset of the walls (y, x) [m] of scans on a grid of a ``spacing`` [m].
 
-    Walls are brought together (`registered`) or levelled as they lie, by ``settings``. Each has its
-    roughness, Hurst exponent, equivalent JRC and remarks as attributes; the dataset has the partner
-    of a single wall, warnings and the report of the registration.
+    ``scans`` has "upper", "lower" or both. By ``settings`` the walls are registered (`registered`),
+    or are levelled and stay as they lie. Heights count towards the other wall. Attributes of each
+    wall are its RMS slope, Hurst exponent, equivalent JRC, share of missing cells and remarks.
+    Attributes of the dataset are the partner of a single wall ("" for two walls), warnings, and the
+    report of the registration.
 
     Raises
     ------
@@ -100,7 +103,7 @@ def prepared_walls(
             if problems := problems or units.contradictions:
                 raise InputError(f"{files}: {'; '.join(problems)}; {AS_IT_IS}")
     for side, (wall, share) in heights.items():
-        # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
+        # relations and synthesis hold up to H = 1; walls with a larger H are smooth at the spacing
         z2 = _slope(wall, spacing)
         hurst = float(np.clip(hurst_of(wall), 0.05, 1.0))
         about = {
@@ -134,7 +137,12 @@ def _as_they_lie(
     settings: ScannedWalls,
     spacing: float,
 ) -> dict[str, tuple[np.ndarray, float]]:
-    """Return heights (towards the other wall) and share of missing cells of unregistered walls."""
+    """Return the heights (y, x) [m] and the share of missing cells of walls, by side, as scanned.
+
+    Heights count towards the other wall. Missing cells are filled or kept as ``settings`` say, and
+    the share is that before. ``bounds`` are those of `_common_bounds`. Raise `InputError` if a scan
+    cannot be put on the grid, or if both walls have different numbers of cells.
+    """
     heights: dict[str, tuple[np.ndarray, float]] = {}
     for side, scan in scans.items():
         try:
@@ -156,7 +164,7 @@ def _as_they_lie(
 
 
 def _slope(wall: np.ndarray, spacing: float) -> float:
-    """Return the RMS slope of a wall, which may have missing cells."""
+    """Return the RMS slope of a wall (y, x) [m] at a spacing [m]; NaN (missing) is ignored."""
     if np.isfinite(wall).all():
         return rms_slope(wall, spacing)
     steps = np.concatenate([np.diff(wall, axis=axis).ravel() for axis in (0, 1)])
@@ -164,7 +172,10 @@ def _slope(wall: np.ndarray, spacing: float) -> float:
 
 
 def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
-    """Return the ends (2, xy) of the rectangle common to two point clouds; None for other scans."""
+    """Return the lowest and highest place (2, 2) (x, y) [m] that two clouds of points both cover.
+
+    None unless both scans are clouds. Raise `InputError` if they do not overlap.
+    """
     clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
     if len(clouds) < 2:
         return None
@@ -185,11 +196,12 @@ def prepare_walls(
     log: Callable[[str], None],
     show: Callable[[str], None],
 ) -> xr.Dataset:
-    """Read the scanned walls of a rock, put them on the grid, and check that there is room.
+    """Read the scanned walls of a rock, and return them on the grid with all that is known of them.
 
-    There must be room for ``realizations`` joints, else `InputError` is raised. Warnings of the
-    scans are passed to ``show`` and stored with the walls; ``log`` takes all details. ``digests``
-    are those of `wall_digests`.
+    The dataset is that of `prepared_walls`, with the files, their ``digests`` (`wall_digests`) and
+    the room for joints as further attributes. ``show`` is called with the warnings of the scans,
+    ``log`` with all details. Raise `InputError` if there is no room for ``realizations`` joints, or
+    as `walls_of_files`.
     """
     prepared = walls_of_files(walls, grid.spacing, jrc_relation, unusual_values)
     log(prepared.attrs.get("registration", "as they lie"))
@@ -206,7 +218,7 @@ def prepare_walls(
 
 
 def described(walls: dict[str, xr.Dataset]) -> str:
-    """Return files, digests and roughness of the scanned walls of each rock as JSON."""
+    """Return as JSON the attributes of each rock's scanned walls: files, digests, roughness."""
     about = {
         rock: dict(dataset.attrs) | {str(k): dict(v.attrs) for k, v in dataset.data_vars.items()}
         for rock, dataset in walls.items()
@@ -215,10 +227,12 @@ def described(walls: dict[str, xr.Dataset]) -> str:
 
 
 class Cutter:
-    """Cutter of joints of a ``shape`` (ny, nx) from the walls of `prepared_walls`.
+    """Cutter of joints with a ``shape`` (ny, nx) from the scanned walls of `prepared_walls`.
 
-    Realisation r has window r of an order that ``order_seed`` shuffles, so that added realisations
-    do not change the others. ``normalise`` is that of `synthetic_wall`, for a synthetic partner.
+    A window is a place at which a joint without missing cells can be cut. Windows are shuffled by
+    ``order_seed``, and realisation r has the window at place r of this order, so that added
+    realisations do not change the others. ``normalise`` is that of `synthetic_wall`, for a
+    synthetic partner.
     """
 
     def __init__(
@@ -237,7 +251,10 @@ class Cutter:
         }
 
     def check(self, realizations: int) -> None:
-        """Raise `InputError` if windows are too few, unless the other wall is synthetic."""
+        """Raise `InputError` if there are fewer windows than realisations.
+
+        With a synthetic partner any number is allowed, as windows may be used again.
+        """
         count = len(self.windows)
         if realizations > count and self.partner != "synthetic":
             raise InputError(
@@ -247,7 +264,10 @@ class Cutter:
             )
 
     def joint(self, realization: int, seed: int) -> dict[str, np.ndarray]:
-        """Return the walls of a realisation by side, detrended; ``seed`` is of a synthetic one."""
+        """Return the walls (ny, nx) [m] of a realisation by side, each less its plane.
+
+        ``seed`` is that of a synthetic partner.
+        """
         origin = self.origin("measured", realization)
         cut = {side: self._cut(wall, origin) for side, wall in self.walls.items()}
         for other in {*SIDES} - set(self.walls):
@@ -267,15 +287,18 @@ class Cutter:
         return cut
 
     def origin(self, side: str, realization: int) -> tuple[int, int]:
-        """Return the cell (y, x) of the scan where the "measured" wall or its "partner" begins."""
+        """Return the first cell (y, x), in the scan, of the window of a realisation.
+
+        ``side`` is "measured", or "partner" for the window of a rotated or mirrored partner.
+        """
         order = self.orders[side]
         y, x = self.windows[order[realization % len(order)]].tolist()
         return y, x
 
     def room(self) -> dict[str, int]:
-        """Count the windows, and those that share no cell.
+        """Return the number of windows, and a number of windows that share no cell.
 
-        Windows of the latter kind are selected row by row: each that overlaps none before it.
+        These are selected row by row: each window that overlaps none of those selected before.
         """
         count = 0
         left = self.windows
@@ -291,7 +314,9 @@ class Cutter:
 
 
 def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Return the first cells (k, yx) of all windows of a shape without missing cells, row by row.
+    """Return the first cells (k, 2), y and x, of all windows of a shape without missing cells.
+
+    ``wall`` (y, x) has NaN in missing cells. Windows are in the order of rows.
 
     Raises
     ------
@@ -319,7 +344,10 @@ def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
 
 
 def cut_walls(walls: xr.Dataset, settings: ClosureSettings | SurfaceSettings) -> Iterator[tuple]:
-    """Generate the pairs (upper, lower) of a block, cut out of the walls of `prepared_walls`."""
+    """Generate the walls (upper, lower) of each realisation of a block, cut out of scanned walls.
+
+    ``walls`` is the dataset of `prepared_walls`.
+    """
     order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
     cutter = Cutter(walls, settings.grid.shape, order, settings.surface.normalise)
     for realization, seed in enumerate(seeds_of(settings), start=settings.first_realization):

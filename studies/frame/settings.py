@@ -1,7 +1,8 @@
-"""Settings of joints, points at which joints are simulated, and walls made from settings.
+"""Settings on which joints depend (`Case` among them), their walls, and points of simulation.
 
-Every job that simulates joints imports this module, which therefore imports nothing that is slow to
-load, such as the models of the configuration.
+Which cases a study has is decided in `cases.py`, which imports this module. Every job that
+simulates joints imports it too, and it therefore imports nothing that is slow to load, such as the
+models of the configuration.
 """
 
 import math
@@ -40,7 +41,7 @@ class JointGrid(NamedTuple):
 
 
 class Synthesis(NamedTuple):
-    """How walls are made from a JRC, by the arguments of `jointclosure.wall_pair` [SI]."""
+    """How walls are made from a JRC: the arguments of `jointclosure.wall_pair` [SI] so named."""
 
     hurst: float
     jrc_relation: str
@@ -53,9 +54,11 @@ class Synthesis(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A rock (by name) with at most one ``parameter`` changed, to ``value`` [SI].
+    """Case of a study: a rock under conditions, with at most one ``parameter`` changed.
 
-    ``value`` is NaN for base cases, and ``jrc`` for scanned walls.
+    ``rock``, ``parameter`` and ``level`` are names, ``value`` [SI] is that of the changed
+    parameter. A base case has no changed parameter: `BASE` stands for its parameter and level, and
+    its value is NaN. ``jrc`` is NaN for scanned walls.
     """
 
     label: str
@@ -80,27 +83,31 @@ class Case(NamedTuple):
         return self.conditions._replace(unusual_values=True).checked()
 
     def number(self, name: str) -> float:
-        """Return a property of the rock or a number of the case by its name [SI]."""
+        """Return a number [SI] of the case, such as "jrc", or a property of its rock, by name."""
         return getattr(self if hasattr(self, name) else self.conditions.rock, name)
 
     def changed(self, name: str, value: float) -> "Case":
-        """Return the case with another value of a property [SI]."""
+        """Return the case with another ``value`` [SI] of the property ``name``.
+
+        Its label, parameter and level stay; the caller changes them.
+        """
         if name == "jrc":
             return self._replace(jrc=value)
         return self.under(rock=self.conditions.rock._replace(**{name: value}))
 
     def under(self, **changes: Any) -> "Case":
-        """Return the case under changed conditions."""
+        """Return the case with ``changes`` of fields of its conditions [SI]."""
         return self._replace(conditions=self.conditions._replace(**changes))
 
 
 class ClosureSettings(NamedTuple):
-    """Settings [SI] that the joints of a case and a block of realisations depend on.
+    """Settings [SI] on which the joints of a case, for a block of realisations, depend.
 
-    ``sha256`` has the digests of the files of scanned ``walls``. Other walls are made from seeds,
-    which follow from ``root_seed`` and ``seeds_named_by``. The common stress axis has
-    ``stress_points`` from 0 to ``largest_stress``. Effects are chosen (`choose_rock_effects`) to
-    the tolerance ``effects_chosen_to``; None: they are those of the case.
+    ``walls`` are the configuration's `ScannedWalls`, and ``sha256`` has the digests of their files
+    by side. If ``walls`` is None, walls are made from seeds, which follow from ``root_seed``,
+    ``seeds_named_by`` and the number of the realisation. Curves are read at ``stress_points``
+    stresses from 0 to ``largest_stress``. ``effects_chosen_to`` is the tolerance to which effects
+    are left out (`choose_rock_effects`); None: all effects of the case are simulated.
     """
 
     case: Case
@@ -127,12 +134,12 @@ class ClosureSettings(NamedTuple):
         return self.case.jrc
 
     def under(self, **changes: Any) -> "ClosureSettings":
-        """Return the settings with changed conditions."""
+        """Return the settings with ``changes`` of fields of the case's conditions [SI]."""
         return self._replace(case=self.case.under(**changes))
 
 
 class SurfaceSettings(NamedTuple):
-    """Settings [SI] that the surfaces of a case and a block of realisations depend on.
+    """Settings [SI] on which the surfaces (walls) of a case, for a block of realisations, depend.
 
     Cases with equal surface settings have the same surfaces.
     """
@@ -147,7 +154,7 @@ class SurfaceSettings(NamedTuple):
 
 
 def surface_settings(settings: ClosureSettings | SurfaceSettings) -> SurfaceSettings:
-    """Return the part of the settings of joints that their surfaces depend on."""
+    """Return the part of the settings of joints on which their surfaces depend."""
     return SurfaceSettings(*(getattr(settings, name) for name in SurfaceSettings._fields))
 
 
@@ -160,14 +167,20 @@ def seeds_of(settings: ClosureSettings | SurfaceSettings) -> list[int]:
 
 
 def walls_of_seed(seed: int, jrc: float, grid: JointGrid, surface: Synthesis) -> Walls:
-    """Return the walls (y, x) [m] of one realisation; unusual values are not refused again."""
+    """Return the random walls (y, x) [m] of one realisation by its seed.
+
+    Values that are unusual for rock are accepted, as the configuration was checked for them.
+    """
     from jointclosure.walls.synthesis import wall_pair  # Fourier transforms, which few jobs need
 
     return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict(), unusual_values=True)
 
 
 def walls_of(settings: ClosureSettings | SurfaceSettings) -> Iterator[Walls]:
-    """Generate the walls of a block from a JRC; raise `InputError` if walls were scanned."""
+    """Generate the random walls (y, x) [m] of each realisation of a block.
+
+    Raise `InputError` if the walls of the case were scanned.
+    """
     if math.isnan(settings.jrc):
         raise InputError("walls that were scanned are cut out of the scans, not made from a seed")
     for seed in seeds_of(settings):
@@ -175,7 +188,10 @@ def walls_of(settings: ClosureSettings | SurfaceSettings) -> Iterator[Walls]:
 
 
 def surfaces_dataset(pairs: Iterable[Walls], settings: SurfaceSettings) -> xr.Dataset:
-    """Return the surfaces of a block over (realization, y, x) [m], with their seeds."""
+    """Return the walls of a block as a dataset (realization, y, x) [m], with their seeds.
+
+    ``pairs`` are the walls of each realisation. Its attribute ``key`` is `surfaces_key`.
+    """
     heights = np.array(list(pairs))
     about = {"units": "m", "long_name": "height towards the other wall"}
     first = settings.first_realization
@@ -191,7 +207,7 @@ def surfaces_dataset(pairs: Iterable[Walls], settings: SurfaceSettings) -> xr.Da
 
 
 def surfaces_key(settings: ClosureSettings | SurfaceSettings) -> str:
-    """Return the digest of all that surfaces depend on except the block of realisations."""
+    """Return the digest of all on which surfaces depend, except the block of realisations."""
     return digest(surface_settings(settings)._replace(first_realization=0, realizations=0))
 
 
@@ -218,10 +234,10 @@ def walls_in(files: Iterable[str], settings: ClosureSettings | SurfaceSettings) 
 
 
 class Point(NamedTuple):
-    """Joints that are simulated under the same conditions, one for each realisation.
+    """Point of a study or experiment: joints under the same conditions, one per realisation.
 
     ``coordinates`` [SI] are those of the joints in datasets and tables. ``maker`` names a function
-    (``module:function``) that generates the walls from settings and ``options``. Without it the
+    (``module:function``) that generates the walls from ``settings`` and ``options``. If it is "",
     walls are made from their seeds, or read from a file of surfaces.
     """
 
@@ -231,7 +247,7 @@ class Point(NamedTuple):
     options: Mapping[str, Any] = {}
 
     def walls(self) -> Iterator[Walls | CrushedWalls]:
-        """Generate the walls of each realisation."""
+        """Generate the walls of each realisation, by the ``maker`` or from seeds."""
         module, _, function = self.maker.partition(":")
         if not function:
             return walls_of(self.settings)
@@ -239,5 +255,5 @@ class Point(NamedTuple):
 
 
 def joints_of(points: Iterable[Point]) -> int:
-    """Return the number of joints at some points."""
+    """Return the number of joints at all of the points."""
     return sum(point.settings.realizations for point in points)

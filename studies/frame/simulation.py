@@ -1,4 +1,4 @@
-"""Simulation of the joints of a study: its cases, its pool, and the points of its experiments."""
+"""Simulation of the joints at points of a study: of its cases, its pool and its experiments."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -20,9 +20,10 @@ ALWAYS = ("status", "timing_simulation")
 
 
 def reading_of(settings: ClosureSettings, names: Iterable[str]) -> Reading:
-    """Return the quantities (``names`` and `ALWAYS`) that are read of the joints of a point.
+    """Return what is read of the joints of a point: the quantities ``names`` and `ALWAYS`.
 
-    Curves are read at the stresses [Pa] of the study; without a curve there are no stresses.
+    Curves are read at the common stresses [Pa] of the study. If no quantity is a curve, there are
+    no stresses.
     """
     names = tuple(dict.fromkeys((*ALWAYS, *names)))
     curves = any("stress" in QUANTITIES[name].dims for name in names)
@@ -39,7 +40,7 @@ def close_joints(
     closed: Mapping[str, Row] = {},
     repeat: str = "",
 ) -> xr.Dataset:
-    """Close the joints of a point, one for each pair of walls.
+    """Simulate the joints of a point, one for each pair of walls, and read their quantities.
 
     Parameters
     ----------
@@ -85,15 +86,16 @@ def close_points(
     report: Report = lambda line: None,
     walls: Sequence[Walls] | None = None,
 ) -> xr.Dataset:
-    """Close the joints of several points, and join them along ``joint``; see `close_joints`.
+    """Simulate the joints of several points; return them along ``joint``, as `close_joints`.
 
-    Each point makes its walls. If ``walls`` are given, every point has these.
+    Each point makes its own walls; if ``walls`` are given, every point has these. ``report`` is
+    called with a line for each point and each joint.
     """
     parts = []
     for point in points:
         report(", ".join(f"{name} {value}" for name, value in point.coordinates.items()))
         parts.append(close_joints(point, walls or point.walls(), names, report=report))
-    # joints of fewer cycles than others of their file have NaN in the later ones
+    # joints with fewer load cycles than others in their file have NaN in the later cycles
     return xr.concat(
         parts,
         "joint",
@@ -105,7 +107,10 @@ def close_points(
 
 
 def joined_rows(rows: Sequence[Row], point: Point, reading: Reading) -> xr.Dataset:
-    """Join rows of the first realisations of a point along ``joint``, with their coordinates."""
+    """Return the rows of joints as a dataset along ``joint``, with the coordinates of their point.
+
+    The rows are those of the first realisations of the point, in order.
+    """
     numbers = point.settings.first_realization + np.arange(len(rows))
     seeds = np.array([f"{seed:032x}" for seed in seeds_of(point.settings)][: len(rows)], object)
     joints = stack_rows(rows, numbers, seeds, reading)
@@ -120,12 +125,15 @@ def joined_rows(rows: Sequence[Row], point: Point, reading: Reading) -> xr.Datas
 
 
 def _column(value: Any, count: int) -> np.ndarray:
-    """Return an array (count,) of one value; texts are objects."""
+    """Return an array (count,) that repeats a value; an array of texts has the type object."""
     return np.full(count, value, dtype=object if isinstance(value, str) else None)
 
 
 def _described(row: Row, again: str) -> str:
-    """Describe a joint: its status and time, and its closures, or how to repeat a failed one."""
+    """Return words on a joint: its status and time, and its closures.
+
+    For a joint that failed the words ``again`` on how to repeat it replace the closures.
+    """
     about = f"status {int(row['status'])}, {row['timing_simulation']:.2f} s"
     if row["status"] >= FAILURE:
         return f"{about}, failed{again}"
@@ -136,10 +144,11 @@ def _described(row: Row, again: str) -> str:
 
 
 def under_chosen(point: Point, pilot: xr.Dataset) -> tuple[Point, dict[str, Row]]:
-    """Return a point with the effects that were chosen for its rock, and joints simulated already.
+    """Return a point with the effects that were chosen for its rock, and joints already simulated.
 
-    ``pilot`` is the dataset of `choose_rock_effects`, whose joints are those of one case. They are
-    returned as rows by seed if the point is of this case; for other cases there are none.
+    ``pilot`` is the dataset of `choose_rock_effects`, whose joints all belong to one case. If the
+    point belongs to this case too, these joints are returned as rows by seed (32 hexadecimal
+    digits), else none.
     """
     effects = Effects(**json.loads(pilot.attrs["chosen"])["effects"])
     settings = point.settings.under(effects=effects)

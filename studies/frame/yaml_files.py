@@ -1,4 +1,4 @@
-"""Configuration files: plain YAML, read strictly, and the files of the package."""
+"""Reading of configuration files: plain YAML, which is checked before it is loaded."""
 
 import copy
 import functools
@@ -21,23 +21,23 @@ from jointclosure.storage.provenance import origin
 
 _STUDIES = Path(__file__).parents[1]
 DEFAULT = _STUDIES.parent / "config/default.yaml"
-"""The paper's study; every other configuration is merged over it."""
+"""Configuration of the paper's study, over which every other configuration is merged."""
 PAPER_TABLE_3 = _STUDIES / "paper/paper_table_3.csv"
-"""The paper's Table 3."""
+"""File with the paper's Table 3."""
 
-# Limits of a configuration file. They are checked before the loader builds any value, since this
-# takes memory and the stack.
+# Limits of a configuration file. They are checked before the loader builds any value, as large or
+# deeply nested values would exhaust memory or the stack.
 _MOST_BYTES = 1_000_000
-"""Largest size of the file."""
+"""Largest size [bytes] of a configuration file."""
 _MOST_VALUES = 100_000
-"""Largest number of its keys and values, with all aliases expanded."""
+"""Largest number of keys and values in a file, with all aliases expanded."""
 _DEEPEST = 40
-"""Deepest nesting of its keys."""
+"""Largest number of levels to which keys in a file are nested."""
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
 
 
 def folder_of(part: Any) -> str:
-    """Return the name of the folder of `studies` in which a function or a type is defined."""
+    """Return the name of the folder of `studies` in which a function or a class is defined."""
     return part.__module__.split(".")[1]
 
 
@@ -59,7 +59,7 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
         return super().construct_mapping(node, deep)
 
     def decimal(self, node):
-        """Read a decimal number; refuse others, as YAML would read 1:30 as 90 and 010 as 8."""
+        """Return a decimal number; refuse other forms, as YAML reads 1:30 as 90 and 010 as 8."""
         if not _DECIMAL.match(node.value.lower()):
             raise yaml.constructor.ConstructorError(
                 problem=f"line {node.start_mark.line + 1}: {node.value} must be a decimal number, "
@@ -74,7 +74,10 @@ for _kind in ("int", "float"):
 
 
 def read_plain(path: str | Path) -> dict:
-    """Read a configuration file; raise `ConfigurationError` unless it has plain keys and values."""
+    """Return the nested keys of a configuration file, in its units.
+
+    Raise `ConfigurationError` if it cannot be read, exceeds a limit, or is not plain YAML.
+    """
     settings = None
     try:
         if not (reason := _no_file(Path(path))):
@@ -109,10 +112,11 @@ def key_lines(path: str | Path) -> dict[str, int]:
 
 
 def with_places(message: str, files: Iterable[str | Path]) -> str:
-    """Return a message with the file and line of each key with which one of its lines begins.
+    """Return a message on a configuration in which places of keys are added to its lines.
 
-    The line is that of the last file that states the key, or the section in which it should be. A
-    key without its section is found if no other section has it.
+    A line of the message that begins with a key gets the file and line in which the last of the
+    ``files`` states the key, or the section that lacks it. A key that is named without its section
+    is found if only one section has it.
     """
     stated: dict[str, str] = {}
     for file in files:
@@ -144,23 +148,25 @@ def _no_file(path: Path) -> str:
 
 @dataclass
 class _Node:
-    """Node of YAML, with the number of nodes in it (aliases expanded) and of levels below it."""
+    """Node of a YAML document, while its events are counted."""
 
     anchor: str | None = None
-    count: int = 1
-    levels: int = 0
-    complete: bool = False
+    count: int = 1  # of nodes: this one and those within it, with aliases expanded
+    levels: int = 0  # of nodes below this one
+    complete: bool = False  # whether its end has been read
 
     def add(self, part: "_Node") -> None:
+        """Count a complete node that lies directly within this one."""
         self.count += part.count
         self.levels = max(self.levels, 1 + part.levels)
 
 
 def _unbounded(text: str) -> str:
-    """Return why YAML is refused: nested too deep, too large, or with tags; "" if it is not.
+    """Return why the text of a YAML file is refused before it is loaded; "" if it is not refused.
 
-    The events of the parser are counted one by one, because the loader would recurse into nodes and
-    copy those that merge keys (``<<``) name.
+    It is refused if it is nested too deeply, has too many values, or has tags. The events of the
+    parser are counted one by one, because the loader would recurse into nodes, and would copy the
+    nodes that merge keys (``<<``) name.
     """
     anchors: dict[str | None, _Node] = {}
     whole = [_Node()]  # nodes that are not complete, each within the one before
@@ -197,7 +203,7 @@ def _unbounded(text: str) -> str:
 
 
 def _not_plain(settings: object) -> str:
-    """Return why data are refused: no keys, or values of other types; "" if they are plain."""
+    """Return why loaded YAML is refused; "" if it has only keys with texts, numbers and lists."""
     if settings is None:
         return "is empty, must contain keys and values"
     if not isinstance(settings, dict):
@@ -219,7 +225,10 @@ def _not_plain(settings: object) -> str:
 
 
 def overlaid(keys: dict, changes: dict) -> dict:
-    """Return nested keys with changes over them; parts without a change are not copied."""
+    """Return nested keys, with those in ``changes`` replaced or added.
+
+    The arguments stay as they are; the result shares the parts without a change.
+    """
     return keys | {
         name: overlaid(keys[name], value)
         if isinstance(value, dict) and isinstance(keys.get(name), dict)
@@ -229,24 +238,27 @@ def overlaid(keys: dict, changes: dict) -> dict:
 
 
 def merged(*settings: dict) -> dict:
-    """Return a copy of nested settings, of which later ones replace values of earlier ones."""
+    """Return a copy of several nested settings in one; later ones replace keys of earlier ones."""
     return copy.deepcopy(functools.reduce(overlaid, settings, {}))
 
 
 def refuse(problems: Iterable[str], what: str = "configuration") -> None:
-    """Raise `ConfigurationError` on ``what`` if there are problems, with a line for each."""
+    """Raise `ConfigurationError` if there are problems: ``what``, then a line for each problem."""
     if lines := "".join(f"\n  {line}" for line in dict.fromkeys(problems)):
         raise ConfigurationError(f"{what}:{lines}") from None
 
 
 def short(value: object) -> str:
-    """Format a value for a message, in one line of limited length."""
+    """Return a value as text for a message, in one line of at most 100 characters."""
     text = reprlib.repr(value) if isinstance(value, dict | list) else repr(value)
     return text if len(text) <= 100 else f"{text[:97]}..."
 
 
 def provenance(configuration: dict[str, Any]) -> dict[str, str]:
-    """Return the attributes of `origin` with `configuration_text`, root seed and size of jobs."""
+    """Return the provenance of a study's results as texts by name, for attributes of files.
+
+    It has that of `origin`, the configuration, the root seed and the realisations per job.
+    """
     return origin() | {
         "configuration": configuration_text(configuration),
         "root_seed": str(configuration["study"]["root_seed"]),
@@ -255,7 +267,10 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
 
 
 def configuration_text(configuration: dict[str, Any]) -> str:
-    """Return a configuration as JSON, without ``study.realizations_per_job``."""
+    """Return the keys of a configuration as JSON, without ``study.realizations_per_job``.
+
+    That key changes no result.
+    """
     study = dict(configuration["study"])
     study.pop("realizations_per_job", None)
     return json.dumps(configuration | {"study": study}, sort_keys=True)

@@ -1,8 +1,9 @@
-"""Accuracy of a study by two levels: its own numerics, and differences to the finest numerics.
+"""Requested accuracy of a study: results by two levels, and the number of joints that they need.
 
-A result is that of n surfaces by the study's numerics plus its difference to the finest numerics on
-the first k of them (multilevel Monte Carlo, M. B. Giles, Acta Numerica 24, 2015, 259). It has only
-the bias of the finest numerics, and its error needs no measured tables of numerical errors.
+The first level is the result of n surfaces by the numerics of the study. The second is its
+difference to the result of the finest numerics, on the first k of these surfaces. Their sum
+(multilevel Monte Carlo, M. B. Giles, Acta Numerica 24, 2015, 259) has only the bias of the finest
+numerics, and its error needs no measured tables of numerical errors.
 """
 
 import itertools
@@ -34,33 +35,28 @@ from studies.paper.claims import TARGET
 from studies.paper.responses import Response, responses
 
 QUANTITIES_OF = {"mean": JUDGED, "stiffness": ("stiffness_net",)}
-"""Quantities whose means a request (`Accuracy.of`) concerns."""
+"""Quantities whose means must be accurate, by the word of the request (`Accuracy.of`)."""
 
 
 class Counts(NamedTuple):
-    """Number of surfaces of a case, and of those also simulated with the finest numerics."""
+    """Numbers of surfaces of each case that are simulated."""
 
-    surfaces: int
-    differences: int
+    surfaces: int  # simulated with the numerics of the study
+    differences: int  # of these, also simulated with the finest numerics
 
 
 START = Counts(BLOCK, FEWEST_DIFFERENCES)
-"""Counts with which `make study` starts."""
+"""Numbers of surfaces with which `make study` starts."""
 
 
 class TwoLevelEstimate(NamedTuple):
-    """Result by two levels with its interval, and the result of the ``study``'s numerics alone.
+    """Result by two levels with its 95 % interval, and the scatter from which this follows."""
 
-    The others are relative to the result. ``half_width`` is that of the interval, infinite if it is
-    unknown. ``deviations`` are the standard deviations of one surface and of one difference, and
-    ``finest`` is that of one surface by the finest numerics.
-    """
-
-    interval: Interval
-    study: float
-    half_width: float
-    deviations: tuple[float, float]
-    finest: float
+    interval: Interval  # with the result
+    study: float  # result of the study's numerics alone
+    half_width: float  # of the interval, over the result; infinite if not known
+    deviations: tuple[float, float]  # of one surface and of one difference, over the result
+    finest: float  # standard deviation of one surface by the finest numerics, over the result
 
 
 def reached_table(
@@ -68,9 +64,11 @@ def reached_table(
 ) -> pd.DataFrame:
     """Tabulate each requested result by two levels, its 95 % interval, and the counts it needs.
 
-    ``study_value`` is the result of the study's numerics alone. ``least_percent`` is the half-width
-    if `Accuracy.most` surfaces were simulated with both numerics. Core minutes are those of one
-    more surface, or one more difference, of all cases.
+    ``study`` and ``finest`` are the ensembles with the numerics of the study and the finest ones.
+    ``study_value`` is the result of the study's numerics alone. ``met`` is whether the request is
+    reached. ``least_percent`` is the half-width if `Accuracy.most` surfaces were simulated with
+    both numerics. Core minutes are the processor time of one more surface, or one more difference,
+    of all cases.
     """
     costs = [part.timing_simulation.mean("realization").values for part in (study, finest)]
     reach = scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, accuracy.most - 1) / math.sqrt(accuracy.most)
@@ -101,9 +99,10 @@ def reached_table(
 
 
 def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Iterator[tuple]:
-    """Generate coordinates, `Counts`, case and `TwoLevelEstimate` of the mean of each quantity.
+    """Generate the estimates of the mean of each quantity ``names``, for each case and cycle.
 
-    There is one for each case and cycle. Means of stiffnesses are harmonic.
+    Each is (coordinates, `Counts`, place of the case in a list, `TwoLevelEstimate`), in the unit of
+    tables. Surfaces that failed are left out. Means of stiffnesses are harmonic.
     """
     pairs = finest.sizes["realization"]
     good = succeeded(study).values
@@ -135,15 +134,15 @@ def _means(study: xr.Dataset, finest: xr.Dataset, names: tuple[str, ...]) -> Ite
 
 
 def _in_shown_unit(value: float, scale: float, harmonic: bool) -> float:
-    """Return a mean (its reciprocal if harmonic) in the unit in which it is shown."""
+    """Return a mean [SI], given as its reciprocal if harmonic, times the ``scale`` of tables."""
     return scale / value if harmonic else scale * value
 
 
 def _mean(cheap: np.ndarray, fine: np.ndarray) -> TwoLevelEstimate:
-    """Estimate a mean by two levels, see `two_level_mean`.
+    """Return the estimate of a mean by two levels, see `two_level_mean`.
 
     ``cheap`` (n,) are values by the numerics of the study, ``fine`` (k,) those of the first k
-    surfaces by the finest numerics.
+    surfaces by the finest numerics. With fewer than two of these nothing is known.
     """
     if fine.size < 2:
         return _UNKNOWN
@@ -161,12 +160,13 @@ _UNKNOWN = TwoLevelEstimate(
 
 
 def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> Iterator[tuple]:
-    """Generate coordinates, `Counts`, cases and `TwoLevelEstimate` of indifference intervals.
+    """Generate the estimates of the length of each indifference interval of maximum closure.
 
-    Estimates are in percent of the rock's value. The logarithm of a length is linear in the
-    surfaces to first order; their contributions to it are found by jackknife. The difference to the
-    finest numerics is that of the logarithms of both lengths, on the surfaces that both have
-    simulated, by the test with the number of all surfaces.
+    Each is (coordinates, `Counts`, mask of the rock's cases, `TwoLevelEstimate`); lengths are in
+    percent of the rock's value. To first order the logarithm of a length is a sum of contributions
+    of the surfaces, which a jackknife gives. The second level is the difference of the logarithms
+    of the lengths by both numerics, on the surfaces that were simulated with both; the t test for
+    both is that of the number of all surfaces.
     """
     pairs = finest.sizes["realization"]
     both = (succeeded(study).values[:, :pairs] & succeeded(finest).values).all(axis=0)
@@ -204,10 +204,10 @@ def _intervals(study: xr.Dataset, finest: xr.Dataset, significance: float) -> It
 
 
 def _log_length(response: Response, significance: float, surfaces: int) -> tuple[float, np.ndarray]:
-    """Return the logarithm of a length (NaN if there is none), and contributions (group, n) to it.
+    """Return the logarithm of the length of an interval, and contributions (groups, n) of surfaces.
 
-    ``surfaces`` is the number in the t test. Groups are the levels, or a single one if the test is
-    paired.
+    The logarithm is NaN if there is no interval. ``surfaces`` is the number of surfaces in the t
+    test. Groups are the levels; if the test is paired there is a single group.
     """
     samples = response.samples
     n = response.samples.shape[1]
@@ -236,15 +236,16 @@ def _log_length(response: Response, significance: float, surfaces: int) -> tuple
 
 
 def _spread(contributions: np.ndarray) -> float:
-    """Return the standard deviation of one surface from contributions (group, n)."""
+    """Return the standard deviation of one surface from contributions (groups, n) to a mean."""
     n = contributions.shape[1]
     return n * math.sqrt(float(contributions.var(axis=1, ddof=1).sum()))
 
 
 def start_counts(price: pd.DataFrame, accuracy: Accuracy) -> Counts:
-    """Return the counts to start with: `START`, or fewer if the budget of processor time is small.
+    """Return the numbers of surfaces to start with: `START`, or fewer if the budget is small.
 
-    ``price`` has the columns ensemble, cases and seconds (of a joint).
+    ``price`` has the columns ``ensemble`` ("cases", "finest"), ``cases`` (their number) and
+    ``seconds`` (of a joint).
 
     Raises
     ------
@@ -273,11 +274,12 @@ def _core_minutes(counts: Counts, surface: float, difference: float) -> float:
 
 
 def next_counts(table: pd.DataFrame, accuracy: Accuracy, closed: Counts) -> Counts | None:
-    """Return the counts of the next round; None if there is none.
+    """Return the numbers of surfaces of the next round; None if there is no next round.
 
-    ``table`` is that of `reached_table` for the counts ``closed``. Counts are at most doubled, or
-    increased by a block if the expected ones did not suffice. There is no next round if all results
-    are accurate enough, or if the budget or the largest number of realisations is reached.
+    ``table`` is that of `reached_table` for the numbers ``closed``. They are raised to those that
+    the table expects to suffice, but at most doubled; if those did not suffice, they are raised by
+    a block. There is no next round if all results are accurate enough, or if the budget or the
+    largest number of realisations is reached.
     """
     missing = table[~table.met]
     most = accuracy.most
@@ -308,7 +310,10 @@ def _prices(table: pd.DataFrame) -> tuple[float, float]:
 
 
 def describe_reached(table: pd.DataFrame, accuracy: Accuracy, ended: bool = True) -> str:
-    """Describe the reached accuracy in a sentence; if the study has ``ended``, also its limit."""
+    """Return a sentence on the accuracy that the table of `reached_table` shows.
+
+    If the study has ``ended`` without the request, the sentence also says what limits it.
+    """
     if table.empty:
         return f"accuracy: this study has no {accuracy.of}"
     worst = table.loc[table.half_width_percent.idxmax()]

@@ -1,4 +1,4 @@
-"""Table of the mean and hydraulic apertures of an ensemble."""
+"""Table of the mechanical (mean) and hydraulic apertures of the joints of an ensemble."""
 
 import numpy as np
 import pandas as pd
@@ -8,10 +8,11 @@ from studies.frame.joint_tables import over_stress, succeeded
 
 
 def flow_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate apertures [mm] of joints by case, cycle, branch, direction of flow and stress.
+    """Tabulate means and standard deviations of apertures [mm] over the joints of an ensemble.
 
-    ``samples`` is the number of joints in the means, of which ``blocked`` have no flow. Joints for
-    which only bounds of the flow are known are left out; ``unknown`` is their number.
+    Rows are case, cycle, branch, direction of flow and stress. ``samples`` is the number of joints
+    in the means; ``blocked`` of these have no flow. Joints of which only bounds of the flow are
+    known are left out of the means; ``unknown`` is their number.
     """
     good = study.where(succeeded(study))
     apertures = xr.Dataset(

@@ -1,4 +1,7 @@
-"""Checks of the results of an ensemble, and the joints that have a remark."""
+"""Checks of the results of an ensemble, and the effect of joints with a remark on mean closures.
+
+A remark is a flag of the status of a joint that did not fail.
+"""
 
 import itertools
 import json
@@ -17,8 +20,9 @@ from studies.paper.closure_tables import estimate_columns
 from studies.paper.requirements import REPORTED
 
 CLOSURE = "max_closure_seated_net"
-"""Closure of the headline, of which means without flagged joints are tabulated."""
+"""Closure whose means with and without remarked joints are tabulated: net, since seating."""
 VOLUME_TOLERANCE = 1e-12
+"""Largest relative change of a wall's volume that passes the check."""
 REMARKED = "simulations flagged"
 """Beginning of the names of checks that count joints with a remark."""
 FEWEST_USED = 2
@@ -26,15 +30,16 @@ FEWEST_USED = 2
 
 
 REMARKS = {mask: name for mask, name in FLAGS.items() if mask < FAILURE}
-"""Names of the remarks on joints that are used, by bit of the status."""
+"""Names of the remarks, by their bit of the status."""
 
 
 def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
     """Tabulate joints with a remark, and the change [%] of mean net closures without them.
 
-    There is a row for each remark, case that has such joints, and cycle: the number of ``joints``
-    with the remark, of all ``samples`` that are used, the mean maximum net closures since seating
-    [mm] with and without them, and the change with its standard error.
+    There is a row for each cycle of each case that has joints with a remark, and for each remark.
+    It has the number of ``joints`` with the remark, the number ``samples`` of all joints that are
+    used, the mean maximum net closures since seating [mm] with and without the remarked joints, and
+    the change [%] with its standard error.
     """
     good = succeeded(study).transpose("case", "realization").values
     statuses = study.status.transpose("case", "realization").values
@@ -62,11 +67,11 @@ def remarked_joints(study: xr.Dataset) -> pd.DataFrame:
 
 
 def change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
-    """Return the relative change of the mean of values (n,) when the marked ones are left out.
+    """Return the relative change of the mean of values (n,) when the ``marked`` (n,) are left out.
 
-    Its standard error is that of a jackknife over joints, because in other joints the share of
-    marked ones differs too. It is NaN if one unmarked joint is left, and the change if there is
-    none.
+    Its standard error is that of a jackknife over all joints, because the share of marked joints
+    varies between samples too. The error is NaN if only one joint is unmarked; error and change are
+    NaN if all joints are marked.
     """
     change = _relative_change(values, marked)
     left_out = [
@@ -77,15 +82,16 @@ def change_without(values: np.ndarray, marked: np.ndarray) -> Estimate:
 
 
 def _relative_change(values: np.ndarray, marked: np.ndarray) -> float:
-    """Return the relative change of a mean without marked values; NaN if there are no others."""
+    """Return the relative change of a mean when marked values are left out; NaN if all are."""
     return float(values[~marked].mean() / values.mean() - 1.0) if not marked.all() else np.nan
 
 
 def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tuple[str, str]]:
-    """Return names and texts of checks of the joints with a remark.
+    """Return the names and texts of checks of the joints with a remark, for `check_results`.
 
-    The first has their number among ``total`` joints, the second the largest change of a mean
-    without them, and one more for each case the same of this case.
+    ``remarked`` is the table of `remarked_joints`. The first check has the number of these joints
+    among ``total``. The second has the largest change of a mean closure without them, if known. One
+    more for each case has the number and the changes in this case.
     """
     rows = remarked[remarked.remark == remark]
     cases = list(rows.groupby("case", sort=False))
@@ -113,7 +119,10 @@ def most_changed(remarked: pd.DataFrame) -> pd.Series | None:
 
 
 def change_in_words(row: Any) -> str:
-    """Format the change of a mean without joints that have a remark, with its standard error."""
+    """Return as text the change of a mean without remarked joints, with its standard error.
+
+    ``row`` is one of `remarked_joints`.
+    """
     if np.isnan(row.change_percent):
         return "no joint is left"
     if np.isnan(row.change_percent_standard_error):
@@ -126,8 +135,8 @@ def check_results(
 ) -> pd.DataFrame:
     """Tabulate checks of the simulations of an ensemble: required, found, and whether passed.
 
-    ``numerics`` are those of the ensemble, ``realizations`` its number for each case. Checks
-    without a limit (`REPORTED`) are always passed.
+    ``numerics`` are those of the ensemble, ``realizations`` is the number of realisations of each
+    case. Checks without a limit (`REPORTED`) are passed, unless a number is not finite.
     """
     good = succeeded(study)
     rows = []

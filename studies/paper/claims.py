@@ -1,6 +1,6 @@
-"""The paper's claims, and criteria of their truth in the model and of confirmation by studies.
+"""The paper's claims, with criteria for their truth in the model, and for confirmation by a study.
 
-Criteria for studies are evaluated for R repetitions at once; a real study has R = 1.
+Criteria for confirmation are evaluated for R studies (repetitions) at once; a real study has R = 1.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,28 +18,31 @@ from jointclosure.statistics.verdicts import FALLS, STANDS, verdict
 TARGET, NET = "max_closure", "max_closure_net"
 """Names of the maximum closure, and of the maximum closure net of bulk indentation."""
 LOOP = "loop"
-"""Name of the loop: closure of unloading less that of loading, at half the maximum stress."""
+"""Name of the loop: closure on unloading less closure on loading, at half the maximum stress."""
 EXCESS = "excess"
-"""Name of the excess at low stress: closure of loading to half the maximum stress, since the start
-of the cycle, less half of the maximum closure."""
+"""Name of the excess at low stress: the closure on loading at half the maximum stress, since the
+start of the cycle, less half of the maximum closure."""
 
 FOUND = ("found_share", "found_error", "found_low", "found_high")
 """Columns of the share of studies that confirm a claim: share, standard error, 95 % interval."""
 
 
 class Findings(NamedTuple):
-    """Results of R studies: responses by (rock, parameter), names (variable, cycle) of targets."""
+    """Results of R studies, by which claims are confirmed or not."""
 
-    drawn: dict[tuple[str, str], DrawnResponse]
-    names: tuple[tuple[str, int], ...]
+    drawn: dict[tuple[str, str], DrawnResponse]  # by rock and parameter
+    names: tuple[tuple[str, int], ...]  # variable and cycle of the targets of each response
 
     def rocks(self, parameters: tuple[str, ...]) -> list[str]:
-        """Return the rocks of which all these parameters are varied, in order."""
+        """Return the rocks for which all these parameters are varied, in order."""
         rocks = dict.fromkeys(rock for rock, _ in self.drawn)
         return [rock for rock in rocks if all((rock, one) in self.drawn for one in parameters)]
 
     def percents(self, rock: str, cycle: int, variable: str) -> dict[str, np.ndarray]:
-        """Return lengths (R,) [% of the rock's value] by parameter; infinite if no root."""
+        """Return lengths (R,) of indifference intervals [% of the rock's value], by parameter.
+
+        They are infinite without a root. Parameters whose value is 0 in the rock are left out.
+        """
         return {
             parameter: 100.0 * self.lengths(parameter, rock, cycle, variable) / abs(response.base)
             for (name, parameter), response in self.drawn.items()
@@ -47,21 +50,21 @@ class Findings(NamedTuple):
         }
 
     def lengths(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return lengths (R,) [SI]."""
+        """Return the lengths (R,) [SI] of an indifference interval."""
         return self.drawn[rock, parameter].lengths[:, self.names.index((variable, cycle))]
 
     def means(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return mean closures (R, levels) [m]."""
+        """Return the mean closures (R, levels) [m] at the levels of a parameter."""
         return self.drawn[rock, parameter].means[:, self.names.index((variable, cycle))]
 
     def smoothed(self, parameter: str, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return mean closures (R, 3) [m] of `smoothed_by_all_levels`."""
+        """Return mean closures (R, 3) [m] at three levels, see `smoothed_by_all_levels`."""
         levels, base, *_ = self.drawn[rock, parameter]
         means = self.means(parameter, rock, cycle, variable)
         return smoothed_by_all_levels(levels, means, base)[1]
 
     def base_means(self, rock: str, cycle: int, variable: str) -> np.ndarray:
-        """Return mean closures (R,) [m] of the base case of the rock."""
+        """Return the mean closures (R,) [m] of the base case of a rock."""
         parameter = next(parameter for name, parameter in self.drawn if name == rock)
         levels, base, *_ = self.drawn[rock, parameter]
         at_base = int(np.flatnonzero(levels == base)[0])
@@ -74,17 +77,18 @@ PROPERTIES = (NU, E, STRENGTH, JRC)
 SYMBOLS = {name: parameters.PROPERTIES[name].symbol for name in PROPERTIES}
 
 NEGLIGIBLE = 0.02
-"""Relative change of a closure that counts as none: the tolerance at which `effects: auto` leaves
-an effect out, and less than the difference of repeated measurements of a closure."""
+"""Largest relative change of a closure that counts as none. It is the tolerance at which `effects:
+auto` leaves an effect out, and less than the difference of repeated measurements of a closure."""
 TOLERANCE = NEGLIGIBLE / 0.2
-"""Difference of elasticities that counts as none. A property of one rock is known to a fifth at
-best; such a change then changes the closure by less than `NEGLIGIBLE`."""
+"""Largest difference of elasticities that counts as none. A property of a rock is known to a fifth
+at best; with such a difference, a change by a fifth changes the closure by `NEGLIGIBLE` or less."""
 
 
 class Elasticities(NamedTuple):
-    """Elasticities by (parameter, cycle) of one variable, and the rock's values of parameters.
+    """Model of a rock that consists of the elasticities of one variable by parameter and cycle.
 
-    Like `studies.paper.judged_claims.ClosedModel` for statements that need no more.
+    It has the methods of `studies.paper.judged_claims.ClosedModel` that statements with
+    ``of_elasticities`` need. ``bases`` are the rock's values of the parameters [SI].
     """
 
     by_cycle: Mapping[tuple[str, int], Any]
@@ -95,23 +99,25 @@ class Elasticities(NamedTuple):
         return self.by_cycle[parameter, cycle]
 
     def slopes(self, parameter: str, cycle: int, variable: str) -> list:
-        """Return the elasticity, which stands for those of both halves of the levels."""
+        """Return a list with the elasticity, in place of those of both halves of the levels."""
         return [self.by_cycle[parameter, cycle]]
 
     def change(self, parameter: str, cycle: int, change: float) -> Any:
-        """Return the closure's relative change with a change of the parameter, by a power law."""
+        """Return the relative change of closure with a change [SI] of a parameter: power law."""
         return (1.0 + change / self.bases[parameter]) ** self.by_cycle[parameter, cycle] - 1.0
 
 
 class ClosureStatement(NamedTuple):
-    """Statement on a closure of a cycle in one rock, and its criteria.
+    """Statement on the closure of a cycle in one rock, with criteria for its truth.
 
-    ``margins`` returns numbers by name, from a model, the cycle and the variable of the closure.
-    The statement is true of the model if all margins exceed ``above``; if ``within`` is set, if the
-    sizes of all are below ``above``. ``finds`` returns whether studies (R,) confirm the statement.
-    ``parameter`` is its subject, and ``parameters`` are all that must be varied. ``alike`` is the
-    largest margin that counts as no difference. If ``before`` is set, it compares the cycle with
-    the one before. If ``of_elasticities`` is set, margins need only `Elasticities`.
+    ``margins`` is a function that returns numbers by name, from a model, the cycle and the variable
+    of the closure. The statement is true of the model if all margins exceed ``above``, or, if
+    ``within`` is set, if the sizes of all margins are below ``above``. ``finds`` is a function that
+    returns whether each of R studies confirms the statement, from `Findings`, rock, cycle and
+    variable. ``parameter`` is the subject of the statement, and ``parameters`` are all that must be
+    varied. ``alike`` is the largest size of a margin that counts as no difference; None: every
+    difference counts. If ``before`` is set, the statement compares the cycle with the one before.
+    If ``of_elasticities`` is set, margins need only `Elasticities` as a model.
     """
 
     number: str
@@ -131,14 +137,17 @@ class ClosureStatement(NamedTuple):
         return (cycle - 1, cycle) if self.before else (cycle,)
 
     def least(self, model: Any, cycle: int, variable: str = TARGET) -> np.ndarray:
-        """Return the smallest margin; if ``within`` is set, the least distance to the bound."""
+        """Return the smallest margin of a model; if ``within``, the least distance to the bound.
+
+        The statement is true if this exceeds `true_above`.
+        """
         margins = list(self.margins(model, cycle, variable).values())
         if self.within:
             return self.above - np.max(np.abs(margins), axis=0)
         return np.min(margins, axis=0)
 
     def least_limits(self, intervals: list[Limits]) -> Limits:
-        """Return the interval of the `least` margin from simultaneous intervals of margins."""
+        """Return the interval of `least` from the simultaneous intervals of all margins."""
         if self.within:
             intervals = [
                 Limits(self.above - max(abs(low), abs(high)), self.above - max(low, -high, 0.0))
@@ -152,18 +161,19 @@ class ClosureStatement(NamedTuple):
 
 
 def _shortest(percents: dict[str, np.ndarray], parameter: str, place: int = 0) -> np.ndarray:
-    """Return for each study (R,) whether ``place`` other intervals are shorter than a parameter's.
+    """Return which studies (R,) have exactly ``place`` intervals shorter than a parameter's own.
 
-    The interval of the parameter must be finite.
+    The length of the parameter's own interval must also be finite. ``percents`` are lengths (R,) by
+    parameter.
     """
     shorter = (np.array(list(percents.values())) < percents[parameter]).sum(axis=0)
     return (shorter == place) & np.isfinite(percents[parameter])
 
 
 def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
-    """Return for each study (R,) whether no interval is longer than the parameter's.
+    """Return which studies (R,) have no interval longer than a parameter's own, and a finite one.
 
-    At least one must be finite.
+    ``percents`` are lengths (R,) by parameter.
     """
     every = np.array(list(percents.values()))
     return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
@@ -172,10 +182,11 @@ def _widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
 def _ranked(
     number: str, text: str, parameter: str, finds: Callable, *pairs: tuple[str, str]
 ) -> ClosureStatement:
-    """Make the statement that closure is more sensitive to one property than to another.
+    """Return the statement that closure is more sensitive to one property than to another.
 
-    Each of the ``pairs`` has the more sensitive property first. ``finds`` judges whether a study
-    confirms it from the lengths [%] of indifference intervals and the ``parameter``.
+    It is made for each of the ``pairs``, in which the property with the larger sensitivity is
+    first. ``finds`` tells which studies confirm the statement, from the lengths [%] of indifference
+    intervals and the ``parameter``.
     """
 
     def margins(model: Any, *at: Any) -> dict[str, Any]:
@@ -192,7 +203,10 @@ def _ranked(
 
 
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> ClosureStatement:
-    """Make the statement that a sensitivity rises (sign 1) or falls (-1) from cycle to cycle."""
+    """Return the statement that the sensitivity of closure to a parameter changes with the cycle.
+
+    From the cycle before it rises (``sign`` 1) or falls (-1).
+    """
 
     def margins(model: Any, cycle: int, variable: str) -> dict[str, Any]:
         before, here = (
@@ -210,9 +224,9 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Closur
 
 
 def _trend(number: str, text: str, parameter: str, sign: int) -> ClosureStatement:
-    """Make the statement that closure rises (sign 1) or falls (-1) with a parameter.
+    """Return the statement that closure rises (``sign`` 1) or falls (-1) with a parameter.
 
-    It is judged in both halves of the parameter's range, by the quadratic through all levels.
+    It is judged in both halves of the parameter's range, by a quadratic fitted to all levels.
     """
     name = f"{'rise' if sign > 0 else 'fall'} with {SYMBOLS[parameter]}"
     return ClosureStatement(
@@ -230,7 +244,7 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> ClosureStatemen
 
 
 def _positive(number: str, text: str, reads: str) -> ClosureStatement:
-    """Make the statement that `LOOP` or `EXCESS` of the base case is positive."""
+    """Return the statement that `LOOP` or `EXCESS` (``reads``) of the base case is positive."""
     return ClosureStatement(
         number, text, "", (),
         lambda model, cycle, _: {f"{reads} over closure": model.share(reads, cycle)},
@@ -278,19 +292,21 @@ HYSTERESIS = _positive("6a", "Unloading shows hysteresis", LOOP)
 SOFT_AT_FIRST = _positive("6b", "Low stresses close more than high ones", EXCESS)
 
 UNJUDGED = _positive("8", "No sensitivity study can judge it", "")
-"""Statement of claims without cycles; its margins are never computed."""
+"""Statement of claims that no study can judge; its margins are never computed."""
 
 OURS = "ours"
-"""Section of a claim that is not in the paper, but a variant added by this study."""
+"""Section of a claim that is not in the paper, but is a variant that this study adds."""
 TABLE_3 = "table 3"
+"""Where the paper shows a claim: by the entries of Table 3."""
 
 
 class Claim(NamedTuple):
-    """Claim: a statement on some cycles, of gross or net closures.
+    """Claim of the paper: a statement on some cycles, for gross or net closures (``variable``).
 
     ``section`` is that of the paper, or `OURS`. The statement is `UNJUDGED` if no sensitivity study
-    can judge it. ``shown`` is where the paper has numbers: `TABLE_3` for entries of the statement's
-    parameter. If ``negated`` is set, the claim is that the statement is *not* true in every rock.
+    can judge it. ``shown`` is where the paper has numbers: `TABLE_3` for the entries of the
+    statement's parameter. If ``negated`` is set, the claim is that the statement is *not* true in
+    every rock.
     """
 
     number: str
@@ -304,20 +320,26 @@ class Claim(NamedTuple):
     remark: str = ""
 
     def verdict(self, least: tuple[float, float]) -> str:
-        """Return the verdict from the confidence interval of the smallest margin in all rocks."""
+        """Return the verdict on the claim in the model, from the interval of the smallest margin.
+
+        ``least`` is this confidence interval (low, high) over all rocks and cycles.
+        """
         word = verdict(least, self.statement.true_above(), self.statement.alike)
         return {STANDS: FALLS, FALLS: STANDS}.get(word, word) if self.negated else word
 
     def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
-        """Return cycles with all targets (variable, cycle) that the statement needs."""
+        """Return those cycles of the claim for which all targets exist that the statement needs.
+
+        ``names`` are the targets (variable, cycle) that exist.
+        """
         cycles = {cycle for variable, cycle in names if variable == self.variable}
         return [c for c in self.cycles if cycles.issuperset(self.statement.cycles(c))]
 
     def found_in(self, studies: Findings) -> np.ndarray | None:
-        """Return for each study (R,) whether it confirms the claim; None if no rock can be judged.
+        """Return which studies (R,) confirm the claim; None if no rock or cycle can be judged.
 
-        A study confirms it if the statement is true in every rock and cycle; if the claim is
-        negated, if it is not true in every one.
+        A study confirms a claim if it finds the statement true in every rock and cycle. It confirms
+        a negated claim if it does not.
         """
         cycles = self.cycles_among(studies.names)
         if not cycles or not (rocks := studies.rocks(self.statement.parameters)):

@@ -1,4 +1,6 @@
-"""Tables of closures, with errors: means, scatter, correlations, elasticities, intervals, fits."""
+"""Tables of a study's closures with standard errors: means, scatter, correlations, elasticities,
+indifference intervals, and fits to measured curves.
+"""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -32,7 +34,7 @@ CLOSURES = (
     "residual_closure_seated_net",
 )
 CHANGE = f"{TARGET}_change_mm"
-"""Column of the change of a mean from the rock's base case, on the same surfaces."""
+"""Column of the change of mean closure from the rock's base case, on the same surfaces."""
 PAIRED, UNPAIRED = "paired", "unpaired"
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")
@@ -42,16 +44,17 @@ _RESPONSE = ["rock", "parameter", "cycle"]
 
 
 def estimate_columns(name: str, estimate: errors.Estimate, scale: float = 1.0) -> dict[str, float]:
-    """Return the columns of a number and of its standard error, in the unit of the table."""
+    """Return an estimate and its standard error by the names of their columns, times ``scale``."""
     return {name: scale * estimate.value, f"{name}_standard_error": scale * estimate.standard_error}
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
     """Tabulate means and standard deviations [mm] of closures by case and cycle, with errors.
 
-    ``samples`` is the number of joints. With ``covariates`` there are also means and deviations
-    that they adjust. Cases of common draws have the change of the mean from the rock's base case,
-    with the error of the differences on the same surfaces.
+    ``samples`` is the number of joints that succeeded. The mean and the standard deviation of
+    maximum closure are also adjusted by the ``covariates``; without these the columns are NaN.
+    Cases with the same surfaces as the rock's base case also have the change of the mean from it,
+    whose error is that of the differences on the same surface.
     """
     good = succeeded(study).values
     rows = []
@@ -77,7 +80,10 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
 
 
 def _paired_with(study: xr.Dataset, place: int) -> int | None:
-    """Return the place of a case's base case; None if their surfaces differ, or for base cases."""
+    """Return the place of the base case of the rock of the case at ``place``.
+
+    None if the cases of the rock have different surfaces, or if the case itself is the base case.
+    """
     rock = str(study.rock.values[place])
     if study.parameter.values[place] == BASE or not same_surfaces(study, rock):
         return None
@@ -85,7 +91,11 @@ def _paired_with(study: xr.Dataset, place: int) -> int | None:
 
 
 def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
-    """Return columns of mean and standard deviation [mm] of a target, with standard errors."""
+    """Return the mean and standard deviation of values (n,) [mm] of a target, by column.
+
+    They have standard errors. Numbers for which there are too few values are NaN. Maximum closure
+    has the coefficient of variation too.
+    """
     mean = errors.Estimate(np.nan, np.nan)
     deviation = _UNKNOWN
     variation = _UNKNOWN
@@ -101,7 +111,11 @@ def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
 
 
 def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, float]:
-    """Return adjusted mean and standard deviation [mm] of maximum closure, with standard errors."""
+    """Return the mean and standard deviation [mm] of maximum closure, adjusted by covariates.
+
+    They are by column, with standard errors; NaN without covariates. ``values`` (n,) [mm] are the
+    closures.
+    """
     mean = deviation = _UNKNOWN
     if covariates is not None:
         of_surfaces, known, tell_scatter = covariates
@@ -115,7 +129,12 @@ def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, fl
 
 
 def correlation_table(study: xr.Dataset) -> pd.DataFrame:
-    """Tabulate coefficients of Eqs. (24) and (26) [mm, units of Table 1], and lack of fit."""
+    """Tabulate the coefficients of Eqs. (24) and (26) for each rock, parameter and cycle.
+
+    These are quadratics of the mean (b, c, d) and of the standard deviation (b_s, c_s, d_s) of
+    maximum closure [mm] in the parameter, in the units of Table 1. They have standard errors, and
+    the probability of a lack of fit of the mean.
+    """
     rows = []
     for response in responses(study, TARGET):
         surfaces = response.samples.shape[1]
@@ -158,7 +177,10 @@ def _coefficients(response: Response, size: float) -> dict:
 def _responses(
     ensemble: xr.Dataset, covariates: Covariates | None
 ) -> Iterator[tuple[dict, Response, Response]]:
-    """Generate rock, parameter and cycle of each response, and it of gross and of net closure."""
+    """Generate rock, parameter and cycle, and the responses of gross and of net maximum closure.
+
+    ``covariates`` are those of gross and net closure alike.
+    """
     both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
     for gross, net in zip(*both, strict=True):
         yield {name: getattr(gross, name) for name in _RESPONSE}, gross, net
@@ -172,17 +194,18 @@ ELASTIC = {
     "_seated_net": "max_closure_seated_net",
     "_stiffness": STIFFNESS,
 }
-"""Results of joints whose means have elasticities, by suffix of their columns."""
+"""Results of joints for whose means elasticities are tabulated, by the suffix of their columns."""
 
 
 def elastic_responses(
     ensemble: xr.Dataset, covariates: Covariates | None = None
 ) -> Iterator[dict[str, Response]]:
-    """Generate the responses by the suffixes of `ELASTIC`, for each rock, property and cycle.
+    """Generate the responses of all results of `ELASTIC`, by suffix, for each rock and cycle.
 
-    Those of variables that the dataset does not have are left out. Samples of the stiffness are
-    compliances, as the mean of stiffnesses is harmonic (`elasticity_of_response`). Covariates are
-    those of gross closure.
+    There is one set of responses for each property that is varied.
+    Results that the dataset does not have are left out. Samples of the stiffness are compliances,
+    as the mean of stiffnesses is harmonic (`elasticity_of_response`). Realisations without a finite
+    value are left out. Only gross closure has ``covariates``.
     """
     known = {suffix: name for suffix, name in ELASTIC.items() if name in ensemble}
     if STIFFNESS in ensemble:
@@ -198,9 +221,10 @@ def elastic_responses(
 
 
 def elasticity_of_response(response: Response, suffix: str) -> errors.Estimate:
-    """Return the elasticity of one of `elastic_responses`, by its ``suffix``, with its error.
+    """Return the elasticity of the mean of one of `elastic_responses`, with its standard error.
 
-    NaN for fewer than two joints, or for a property whose value is 0.
+    ``suffix`` is that of the result in `ELASTIC`. The elasticity is NaN for fewer than two joints,
+    or for a property whose value is 0.
     """
     if response.samples.shape[1] < 2 or response.base == 0.0:
         return _UNKNOWN
@@ -212,11 +236,12 @@ def elasticity_of_response(response: Response, suffix: str) -> errors.Estimate:
 def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
     """Tabulate d ln(mean)/d ln(parameter) of closures and stiffness at each rock's value.
 
-    Columns ``elasticity`` have that of the mean maximum gross closure, and with a suffix that of
-    closure net of bulk indentation (``_net``), of net closure since seating (``_seated_net``) and
-    of net chord stiffness (``_stiffness``), with standard errors. They are NaN if the dataset does
-    not have the result. With ``covariates`` there is that of adjusted means of gross closure too.
-    ``samples`` is the number of joints, ``samples_stiffness`` that of joints with a stiffness.
+    The column ``elasticity`` is that of the mean maximum gross closure. With the suffix ``_net`` it
+    is that of closure net of bulk indentation, with ``_seated_net`` of net closure since seating,
+    with ``_stiffness`` of net chord stiffness, and with ``_adjusted`` of gross closure adjusted by
+    ``covariates``. All have standard errors; they are NaN if the dataset does not have the result,
+    or without covariates. ``samples`` is the number of joints, ``samples_stiffness`` that of joints
+    with a stiffness.
     """
     rows = []
     for of_each in elastic_responses(ensemble, covariates):
@@ -246,7 +271,8 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
 _INTERVAL = ["length", "percent", "root", "extrapolated", "status", "length_low", "length_high"]
 _INTERVAL += ["standard_error", "share_without_root", "linear_length"]
 _INTERVAL += ["unpaired_length", "unpaired_percent"]
-"""Columns of an interval; those with the suffix ``_net`` are net of bulk indentation."""
+"""Columns of an indifference interval; with the suffix ``_net`` that of closure net of bulk
+indentation."""
 _ADJUSTED = [f"adjusted_{name}" for name in ("length", "percent", "low", "high", "standard_error")]
 
 
@@ -256,11 +282,12 @@ def indifference_table(
     root_seed: int,
     covariates: Covariates | None = None,
 ) -> pd.DataFrame:
-    """Tabulate indifference intervals by the study's test, and by the paper's, which is unpaired.
+    """Tabulate indifference intervals by the study's t test, and by the unpaired test of the paper.
 
-    Lengths are in the units of Table 1, for gross and net closure (suffix ``_net``). With
-    ``covariates``, unpaired tests of gross closure are also made with adjusted means. ``root_seed``
-    is that of the bootstrap.
+    The study's test is paired if all cases of a rock have the same surfaces. Lengths are in the
+    units of Table 1, for gross and net closure (suffix ``_net``). With ``covariates``, unpaired
+    tests of gross closure are also made with adjusted means. ``root_seed`` is that from which the
+    random numbers of the bootstrap follow.
     """
     rows = []
     for row, gross, net in _responses(study, covariates):
@@ -285,7 +312,11 @@ def indifference_table(
 def _interval(
     response: Response, size: float, statistics: "Statistics", root_seed: int, suffix: str
 ) -> dict:
-    """Return columns of an interval: by its test with bootstrap errors, and by the unpaired."""
+    """Return the columns of the interval of a response, in units of ``size``.
+
+    They are those by the response's own test with bootstrap errors, and its length by the unpaired
+    test.
+    """
     unpaired = _tested(response._replace(paired=False), size, statistics.significance)
     row = _tested(response, size, statistics.significance) if response.paired else unpaired
     name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
@@ -316,7 +347,10 @@ def _settings(response: Response, statistics: "Statistics") -> dict[str, Any]:
 def _adjusted_interval(
     response: Response, size: float, statistics: "Statistics", root_seed: int
 ) -> dict:
-    """Return columns of the interval from adjusted means; empty if paired or without covariates."""
+    """Return the columns of the interval from means adjusted by covariates, in units of ``size``.
+
+    There are none if the test is paired or there are no covariates.
+    """
     if response.covariates is None or response.paired:
         return {}
     values, known, tell_scatter = response.covariates
@@ -337,7 +371,7 @@ def _adjusted_interval(
 
 
 def _tested(response: Response, size: float, significance: float) -> dict:
-    """Compute the interval by the response's test, in units of ``size``."""
+    """Return the columns of the interval by the response's own test, in units of ``size``."""
     interval = response.interval(significance)
     status = "interval"
     if np.isnan(interval.length):
@@ -359,7 +393,11 @@ def _tested(response: Response, size: float, significance: float) -> dict:
 def _linear_length(
     response: Response, interval: indifference.PairedInterval | indifference.IndifferenceInterval
 ) -> float:
-    """Return t sqrt(2/n) S/|slope| [SI]: the length if mean and deviation are straight lines."""
+    """Return the length [SI] that an interval would have for a linear mean: t sqrt(2/n) S/|slope|.
+
+    The standard deviation S is that at the rock's value. For a paired test it is known already; it
+    is infinite for a slope of 0.
+    """
     if isinstance(interval, indifference.PairedInterval):
         return interval.linear_length
     mean = quadratics.fit_quadratic(response.levels, response.means, response.base)
@@ -382,9 +420,11 @@ _READ = (
 def fit_table(
     study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
 ) -> pd.DataFrame:
-    """Tabulate the realisation that fits each rock's measured curve best, by cycle and for all.
+    """Tabulate the realisation that fits the measured curve of each rock best.
 
-    ``curves`` are by rock; ``seating_stress`` [Pa] is where closures of both begin.
+    There is a row for each measured cycle, and one for all cycles of a rock together if it has
+    several. ``curves`` are by rock; ``seating_stress`` [Pa] is that from which closures count, both
+    measured and simulated.
     """
     rows = []
     for rock, curve in curves.items():
@@ -404,7 +444,11 @@ def fit_table(
 
 
 def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:
-    """Compute squared differences (realization, points) [m2]; NaN for failed realisations."""
+    """Return the squared differences (realization, points) [m2] to the points of a measured cycle.
+
+    ``base`` are the joints of the base case, ``branches`` the measured (branch, stress, closure).
+    They are NaN for realisations that failed, and at stresses that a realisation does not reach.
+    """
     good = succeeded(base).values
     columns = []
     for branch, stress, closure in branches:
@@ -415,7 +459,10 @@ def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:
 
 
 def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Interpolate a closure curve at stresses by a monotone cubic; NaN beyond its known points."""
+    """Return closures (m,) of a curve at stresses (m,), by a monotone cubic.
+
+    ``axis`` and ``closure`` (n,) are those of the curve; closures beyond its finite points are NaN.
+    """
     reached = np.isfinite(closure)
     if reached.sum() < 2:
         return np.full(stress.shape, np.nan)
@@ -440,7 +487,10 @@ def _best_fit(rock: str, cycle, squares: np.ndarray, largest: float, base: xr.Da
 
 
 def best_fits(table: pd.DataFrame, rock: str) -> Iterator[tuple[int, int, float, float]]:
-    """Generate (cycle, realisation, misfit [mm], misfit [%]) of each fitted cycle of a rock."""
+    """Generate (cycle, realisation, misfit [mm], misfit [%]) of the best fits of a rock.
+
+    ``table`` is that of `fit_table`. There is one for each cycle that has a fit.
+    """
     part = table[(table.rock == rock) & (table.cycle.astype(str) != "all")]
     for row in part[part.best_realization.notna()].itertuples():
         yield int(row.cycle), int(row.best_realization), row.misfit_mm, row.misfit_percent

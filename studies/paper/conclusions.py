@@ -1,4 +1,8 @@
-"""Conclusions of the paper that stand, fall, or depend on what the paper leaves open."""
+"""Conclusions on the paper's claims: they stand, fall, or depend on what the paper leaves open.
+
+A reading is an interpretation of the paper's text, and a choice is a value that the text leaves
+open. Both were varied in other studies, whose verdicts are combined here with that of this study.
+"""
 
 import numpy as np
 import pandas as pd
@@ -7,11 +11,11 @@ from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDEC
 from studies.paper.claims import CLAIMS, FOUND, Claim
 
 DEPENDS = "depends on what is unstated"
-"""Conclusion that is true under some readings or choices, and false under others."""
+"""Conclusion on a claim that is true under some readings or choices, and false under others."""
 ONLY_CONFIGURED = {
     verdict: f"{verdict} as configured" for verdict in (STANDS, FALLS, NO_DIFFERENCE)
 }
-"""Conclusions from a verdict that neither a reading of all rocks nor a choice has put to a test."""
+"""Conclusions by verdict if no reading of all rocks and no choices have been tried."""
 NOT_JUDGED = "not judged"
 """Conclusion on a claim that a sensitivity study cannot judge."""
 UNJUDGED = frozenset(claim.number for claim in CLAIMS if not claim.cycles)
@@ -21,12 +25,15 @@ NEARLY_ALL = 0.9
 """Share of the open choices that must agree with a verdict for it to be independent of them."""
 
 SHARES = ("share", "share_error", "share_low", "share_high")
-"""Columns of the share of choices, here with the prefix ``choices_``."""
+"""Columns of the share of choices for which a claim is true, with its error and 95 % interval. In
+the table of conclusions they have the prefix ``choices_``."""
 COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": UNDECIDED}
+"""Verdicts that are counted, by the end of the name of the column of their number."""
 _RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
 """Order of verdicts on a claim: with more rocks, the rank of the verdict never rises."""
 
 _MOST_NAMED = 3
+"""Largest number of readings whose titles are listed."""
 
 
 def conclusion_table(
@@ -36,24 +43,26 @@ def conclusion_table(
     choices: pd.DataFrame | None = None,
     margins: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
-    """Tabulate the evidence for each claim, and the conclusion.
+    """Tabulate the evidence for each of the paper's claims, and the conclusion on it.
 
-    Readings that contradict the paper's text do not count. A reading of only some rocks can refute
-    a claim about all, but not confirm it.
+    Readings that contradict the paper's text do not count. A reading that was tried for only some
+    rocks can refute a claim about all rocks, but not confirm it.
 
-    The conclusion is `DEPENDS` if a reading opposes the verdict, or if the 95 % interval of the
-    share of choices that agree with it is below `NEARLY_ALL`. It is the verdict if no reading
-    opposes it and this interval is above `NEARLY_ALL`, and undecided if the interval contains
-    `NEARLY_ALL`. Without choices it is the verdict, or that of `ONLY_CONFIGURED` if no reading of
-    all rocks was tried either.
+    The conclusion is `NOT_JUDGED` or undecided if the claim's verdict is so. It is `DEPENDS` if a
+    reading opposes the verdict, or if the 95 % interval of the share of choices that agree with the
+    verdict lies below `NEARLY_ALL`. It is the verdict if no reading opposes it and this interval
+    lies above `NEARLY_ALL`, and undecided if the interval contains `NEARLY_ALL`. Without choices it
+    is the verdict, or that of `ONLY_CONFIGURED` if no reading of all rocks was tried either.
 
     Parameters
     ----------
     claims : DataFrame
-        Table of `judge_claims`.
-    jrc_range, readings : DataFrame, optional
-        Shares of studies that confirm the claims where JRC has a ``half_width``, and verdicts for
-        readings of the paper.
+        Table of claims that `judge_claims` returns.
+    jrc_range : DataFrame, optional
+        Shares of studies that confirm each claim, for ranges of JRC with a ``half_width``. The row
+        with the largest one counts.
+    readings : DataFrame, optional
+        Verdicts on the claims for readings of the paper, one reading in each row.
     choices, margins : DataFrame, optional
         Tables of `studies.global_sensitivity.tables.conclusion_tables`.
     """
@@ -78,7 +87,11 @@ def _of_jrc(number: str, jrc_range: pd.DataFrame | None) -> dict:
 
 
 def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
-    """Count verdicts of readings that the paper allows, and name those that oppose a claim's."""
+    """Return columns on the readings that the paper allows, for a claim.
+
+    They count verdicts for readings of all rocks ("readings") and of some rocks ("partial"), and
+    name the readings that oppose the verdict on the claim, or that leave it undecided.
+    """
     column = f"claim {claim.number}"
     if readings is None or column not in readings:
         counts = [f"{kind}_{name}" for kind in ("readings", "partial") for name in COUNTS]
@@ -106,10 +119,11 @@ def _named(titles: list[str]) -> str:
 
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
-    """Return the share of the choices for which a claim is true in all rocks, and what moves it.
+    """Return columns on the open choices: the share for which a claim is true in all rocks.
 
-    The cycle with the smallest share of the statement counts. ``moved_by`` is the input with the
-    largest share of the variance of its margin.
+    The share is that of the cycle in which the claim's statement is true least often; for a negated
+    claim it is the rest. ``moved_by`` is the open input that contributes most to the variance of
+    the statement's margin in this cycle.
     """
     claim = next(claim for claim in CLAIMS if claim.number == number)
     rows = _rows_of(choices, claim)
@@ -131,7 +145,7 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
 
 
 def _rows_of(table: pd.DataFrame | None, claim: Claim) -> pd.DataFrame:
-    """Return the rows of a claim in a table of the study of global sensitivity."""
+    """Return the rows on a claim in a table of the study of global sensitivity, if there is one."""
     if table is None:
         return pd.DataFrame(columns=["rock", "cycle", "title", *SHARES])
     here = (table.number == claim.statement.number) & (table.response == claim.variable)

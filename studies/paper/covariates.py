@@ -1,8 +1,9 @@
-"""Covariates of pairs of walls, by which means and scatters of closures are adjusted.
+"""Covariates of pairs of walls, by which means and standard deviations of closures are adjusted.
 
-Covariates are depths on the bearing-area curve of the summed heights, over the RMS slope Z2 of the
-walls' JRC. Walls of another JRC are the same walls scaled by Z2, so that these depths have the same
-distribution in all cases, and their means, computed once from surfaces of one JRC, hold for all.
+Covariates are depths on the bearing-area curve of the summed heights of both walls, over the RMS
+slope Z2 of the walls' JRC. Walls of another JRC are the same walls times a factor, by which Z2
+changes too. Covariates therefore have the same distribution in all cases, and their means, which
+are computed once from surfaces of one JRC, hold for all cases.
 """
 
 from typing import NamedTuple
@@ -21,24 +22,25 @@ OF_FIRST_CYCLE, OF_LATER_CYCLES = ("depth_1", "depth_5"), ("excess_5",)
 """Covariates by which closures of the first and of later cycles are adjusted (docs/accuracy.md)."""
 
 COVARIATES = (*OF_FIRST_CYCLE, *OF_LATER_CYCLES)
+"""Names of all covariates: depths at which 1 % and 5 % of the cells are above, and the mean height
+of the highest 5 % above the latter depth."""
 
 _REFERENCE_JRC = 10.0
 """JRC of the surfaces from which the means are computed; any other JRC gives the same means."""
 
 
 class Covariates(NamedTuple):
-    """Covariates (case, realization, covariate) [m per unit slope], and their known means.
+    """Covariates of the pairs of walls of a study, and what is known of their distribution."""
 
-    They are NaN for scanned walls. With ``tell_scatter``, standard deviations are adjusted too,
-    which is less accurate on later cycles.
-    """
-
-    values: np.ndarray
-    known: Known
-    tell_scatter: bool = True
+    values: np.ndarray  # (case, realization, covariate) [m per unit slope], NaN for scanned walls
+    known: Known  # means and covariance of the covariates, from other surfaces
+    tell_scatter: bool = True  # whether standard deviations of closures are adjusted too
 
     def of_cycle(self, cycle: int) -> "Covariates":
-        """Return the covariates by which closures of a cycle are adjusted."""
+        """Return those covariates by which closures of a cycle are adjusted.
+
+        Standard deviations are adjusted on the first cycle only.
+        """
         names = OF_FIRST_CYCLE if cycle == 1 else OF_LATER_CYCLES
         chosen = [COVARIATES.index(name) for name in names]
         means, covariance, surfaces = self.known
@@ -47,7 +49,10 @@ class Covariates(NamedTuple):
 
 
 def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.ndarray:
-    """Compute `COVARIATES` (3,) [m per unit slope] of walls (y, x) [m]; ``z2`` is of their JRC."""
+    """Return the covariates (3,) [m per unit slope] of walls (y, x) [m], in the order `COVARIATES`.
+
+    ``z2`` is the RMS slope of the walls' JRC.
+    """
     summed = upper + lower
     depths = bearing_depths(summed, [0.01, 0.05])
     level = np.max(summed) - depths[1]
@@ -56,7 +61,10 @@ def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.nd
 
 
 def measure_covariates(study: xr.Dataset, grid: JointGrid, surface: Synthesis) -> np.ndarray:
-    """Compute covariates (case, realization, covariate) of all surfaces of a study from seeds."""
+    """Return the covariates (case, realization, covariate) of all surfaces of a study.
+
+    The surfaces are made again from their seeds. Covariates of scanned walls are NaN.
+    """
     values = np.full((*study.seed.shape, len(COVARIATES)), np.nan)
     for i, jrc in enumerate(study.jrc.values.tolist()):
         if np.isnan(jrc):  # scanned walls: the means of their covariates are unknown
@@ -70,7 +78,10 @@ def measure_covariates(study: xr.Dataset, grid: JointGrid, surface: Synthesis) -
 
 
 def known_covariates(surfaces: int, root_seed: int, grid: JointGrid, surface: Synthesis) -> Known:
-    """Estimate means and covariance of the covariates from surfaces that belong to no study."""
+    """Return means and covariance of the covariates, estimated from surfaces of no study.
+
+    ``surfaces`` is their number; they are made from ``root_seed``.
+    """
     seeds = [seed_of(root_seed, "covariates", number) for number in range(surfaces)]
     values = _of_surfaces(seeds, _REFERENCE_JRC, grid, surface)
     return Known(values.mean(axis=0), np.cov(values.T), surfaces)
@@ -83,7 +94,7 @@ def _of_surfaces(seeds: list[int], jrc: float, grid: JointGrid, surface: Synthes
 
 
 def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
-    """Convert covariates of a study to a dataset; `from_dataset` is the inverse."""
+    """Return the covariates of a study's surfaces as a dataset, which `from_dataset` reads."""
     unit = {"units": "m", "long_name": "covariate, over the RMS slope of the JRC"}
     known = covariates.known
     return xr.Dataset(
@@ -114,7 +125,7 @@ def from_dataset(dataset: xr.Dataset) -> Covariates:
 
 
 def read_covariates(file: str, study: xr.Dataset) -> Covariates | None:
-    """Read the covariates of a study's surfaces in a file of `as_dataset`; None without a file.
+    """Read the covariates of a study's surfaces from a file of `as_dataset`; None for the file "".
 
     Errors are as for `studies.frame.checked_files.read_checked`.
     """
@@ -122,7 +133,11 @@ def read_covariates(file: str, study: xr.Dataset) -> Covariates | None:
 
 
 def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Covariates | None:
-    """Select covariates of a cycle at ``chosen`` cases and realisations; None if too few."""
+    """Return the covariates of a cycle for the ``chosen`` cases and realisations.
+
+    ``chosen`` are indices of `numpy.ix_`. None without covariates, if there are too few surfaces,
+    or if a covariate is not finite.
+    """
     if covariates is None:
         return None
     of_cycle = covariates.of_cycle(cycle)

@@ -1,4 +1,4 @@
-"""Figures of a study: closures, apertures, measured curves, trends, intervals, predictions."""
+"""Figures of a study: closures, apertures, measured curves, trends, intervals, repetitions."""
 
 import itertools
 from collections.abc import Callable, Collection, Mapping
@@ -34,11 +34,11 @@ from studies.paper.simulated_again import simulate_again
 from studies.paper.tables_1_to_3 import UNPAIRED_TEST, figure_text, roughness_title, test_name
 
 MOST_DRAWN = 500
-"""Largest number of surfaces whose curves are drawn; of a larger study the first are drawn."""
+"""Largest number of surfaces whose curves are drawn; of larger studies the first are drawn."""
 _FEW_LINES = 20
-"""Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
+"""Largest number of curves that are drawn in full strength; if there are more, they are fainter."""
 _LAW_POINTS = 200
-"""Stresses at which an empirical law is drawn."""
+"""Number of stresses at which an empirical law is drawn."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
 _MARKERS = "osD^v"
 _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
@@ -52,12 +52,12 @@ class Measurements(NamedTuple):
 
     @property
     def cycles(self) -> int:
-        """Return the last measured cycle, 0 if there is none."""
+        """Largest number of a measured cycle; 0 without measured curves."""
         return max((curve.cycles[-1] for curve in self.curves.values()), default=0)
 
     @property
     def best(self) -> list[int]:
-        """Return the realisations that fit a curve best, which are always drawn."""
+        """Realisations that fit a cycle of a curve best, which are always drawn."""
         return self.fits.best_realization.dropna().astype(int).tolist()
 
 
@@ -69,9 +69,11 @@ def draw_measured_curve(
     seating_stress: float,
     cycles: Collection[int],
 ) -> str:
-    """Draw the measured curve of a rock, and the realisation that fits each cycle best.
+    """Draw the measured curve of a rock in a panel, and the realisations that fit it best.
 
-    ``base`` are the joints of the rock's base case. The misfit is returned as lines for the title.
+    ``base`` are the joints of the rock's base case, ``cycles`` are those of the panel. Return lines
+    for the title with the misfit of the best realisation for each cycle; "" without a measured
+    curve.
     """
     if rock not in measured.curves:
         return ""
@@ -110,7 +112,7 @@ def _style(cycle: int) -> dict:
 
 
 def measured_handles(measured: Measurements) -> list:
-    """Return legend entries of the measured curve and best fits; none without measured curves."""
+    """Return the legend's entries for measured curves and best fits; none without such curves."""
     fits = [
         key(f"surface that fits cycle {cycle} best", **_style(cycle))
         for cycle in range(1, measured.cycles + 1)
@@ -119,7 +121,7 @@ def measured_handles(measured: Measurements) -> list:
 
 
 def _surfaces_label(study: xr.Dataset, seating_stress: float | None) -> str:
-    """Return the legend's text for the thin lines, which join closures at the stored stresses."""
+    """Return the legend's text for the thin lines: the joints drawn by their stored stresses."""
     number = study.sizes["realization"]
     lowest = 1e-6 * float(study.stress[1])
     every = "every joint" if number < MOST_DRAWN else f"each of the first {number} joints"
@@ -130,7 +132,7 @@ def _surfaces_label(study: xr.Dataset, seating_stress: float | None) -> str:
 
 @styled
 def equivalent_stress() -> Figure:
-    """Draw the maximum of Eq. (21) over Poisson's ratio, with Eq. (23)."""
+    """Draw the maximum of the equivalent stress, Eq. (21), over Poisson's ratio, and Eq. (23)."""
     ratios = np.linspace(0.0, 0.5, 101)
     depths = np.linspace(0.2, 0.8, 6001)
     along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
@@ -148,7 +150,10 @@ def equivalent_stress() -> Figure:
 
 @styled
 def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
-    """Draw both walls (y, x) [m] with ``spacing`` [m], and the opening at first touch."""
+    """Draw the heights of both walls (y, x) [m] at a ``spacing`` [m], and the opening between them.
+
+    The opening is that at first touch, whose place is marked.
+    """
     figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
@@ -170,14 +175,20 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
 
 
 def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
-    """Return net closures since seating [m]; without a seating stress, gross ones of each cycle."""
+    """Return the curves of closure [m] that are drawn: net closures since seating.
+
+    If the seating stress is None, they are gross closures since the start of the cycle.
+    """
     if seating_stress is not None:
         return since_seating(base)
     return base.closure - base.residual_closure.shift(cycle=1, fill_value=0.0)
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:
-    """Return the realisation with the first cycle closest (RMS) to the mean; else the first."""
+    """Return the realisation of a case whose first cycle is closest (RMS) to the mean curve.
+
+    If all have failed, it is the first.
+    """
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = _curves(base, seating_stress).isel(cycle=0)
     curves = curves.where(curves.stress > (seating_stress or 0.0))
@@ -194,12 +205,13 @@ def closure_figure(
     measured: Measurements = Measurements(),
     history: Callable[[xr.Dataset, str, int], xr.Dataset | None] = simulate_again,
 ) -> Figure:
-    """Draw closure curves of each rock's base case, with laws and measured curves.
+    """Draw the closure curves of each rock's base case, with the law and measured curves.
 
-    Closures are net since ``seating_stress`` [Pa]; if it is None, they are gross as in the paper.
-    The surface closest to the mean is drawn by all its steps, which ``history`` simulates from
-    study, case and realisation. The others are drawn at the stored stresses. ``strength_ratio`` is
-    that of rock and wall in the Barton-Bandis law.
+    Closures are net since ``seating_stress`` [Pa]; if it is None, they are gross as in the paper,
+    and measured curves are left out. The surface closest to the mean is drawn by all its steps.
+    ``history`` simulates these from study, label of the case and realisation; if it returns None,
+    this surface is drawn at the stored stresses like the others. ``strength_ratio`` is the strength
+    of the rock over that of the walls in the Barton-Bandis law.
     """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
@@ -252,6 +264,7 @@ def closure_figure(
 
 
 def _lawful(rock: StudyRock) -> bool:
+    """Return whether the Barton-Bandis law is drawn: it holds for the JRC of random walls."""
     return law_holds(rock.jrc) and not rock.walls
 
 
@@ -260,7 +273,10 @@ def _draw_rock(
     seating_stress: float | None, strength_ratio: float, measured: Measurements,
     history: Callable[[xr.Dataset, str, int], xr.Dataset | None],
 ) -> str:  # fmt: skip
-    """Draw some cycles of a rock's base case in a panel, and return its title."""
+    """Draw some cycles of a rock's base case in a panel, and return the panel's title.
+
+    Arguments are as for `closure_figure`.
+    """
     case = study.case[(study.rock == name) & (study.parameter == "base")].item()
     chosen = closest_to_mean(study, case, seating_stress)
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
@@ -300,17 +316,17 @@ def _cycles_in_words(cycles: list[int]) -> str:
 
 
 class _Branches(NamedTuple):
-    """Closures of each surface (n, points) on a branch [mm], and stresses (points,) [MPa]."""
+    """Curves of surfaces on one branch (loading or unloading) of a cycle, by ascending stress."""
 
-    closures: np.ndarray
-    stresses: np.ndarray
+    closures: np.ndarray  # (surfaces, points) [mm]
+    stresses: np.ndarray  # (points,) [MPa]
 
 
 def _stored(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | None) -> _Branches:
-    """Return a branch at the stored stresses and at its least and largest stress.
+    """Return a branch of all surfaces at the stored stresses and at its least and largest stress.
 
-    Below the first stored stress a gross closure rises by half of its maximum. A NaN stands there,
-    so that no line joins the curve to its end at zero stress.
+    ``base`` are the joints of a base case. Below the first stored stress a gross closure rises by
+    half of its maximum: a NaN follows the point at zero stress, so that no line is drawn from it.
     """
     curves = 1e3 * _curves(base, seating_stress).sel(cycle=cycle, branch=branch)
     first = seating_stress or 0.0
@@ -334,7 +350,7 @@ def _stored(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | N
 
 
 def _end_of(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | None) -> np.ndarray:
-    """Return the closure of each surface (n,) [m] at the least stress of a branch."""
+    """Return the closures (surfaces,) [m] at the least stress of a branch, NaN if failed."""
     if branch == LOADING:
         return 0.0 * base.residual_closure.sel(cycle=cycle).values  # NaN of joints that failed
     if seating_stress is not None:
@@ -346,7 +362,7 @@ def _end_of(base: xr.Dataset, cycle: int, branch: str, seating_stress: float | N
 def _by_steps(
     joint: xr.Dataset, cycle: int, branch: str, seating_stress: float | None
 ) -> _Branches:
-    """Return a branch of one joint at all of its steps, by ascending stress."""
+    """Return a branch of one joint at all of its steps, and at seating if closure is net."""
     history = history_of(joint)
     here = history.branch(cycle, branch).steps
     stress = history.stress[here]
@@ -369,9 +385,10 @@ def _draw_cycle(
     axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float | None,
     history: xr.Dataset | None,
 ) -> None:  # fmt: skip
-    """Draw a cycle: every surface, the band of loading, and the surface closest to the mean.
+    """Draw a cycle of a base case: every surface, a band for loading, and the surface ``chosen``.
 
-    The last is realisation ``chosen``, drawn by its ``history`` if there is one.
+    The band is one standard deviation to each side of the mean. The chosen realisation, which is
+    closest to the mean, is drawn by the steps of its ``history``; without it at stored stresses.
     """
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     colour = f"C{cycle - 1}"
@@ -402,7 +419,7 @@ def _mean_style(cycle: int) -> dict[str, Any]:
 
 
 def _draw_mean(axes, base: xr.Dataset, cycle: int, seating_stress: float | None) -> None:
-    """Draw the mean closure at the stresses that the largest number of surfaces reaches."""
+    """Draw the mean closure of a cycle at those stresses that the most surfaces reach."""
     for branch in BRANCH_LINES:
         closures, stresses = _stored(base, cycle, branch, seating_stress)
         count = np.isfinite(closures).sum(axis=0)
@@ -419,7 +436,11 @@ _QUANTITIES = {
 
 @styled
 def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress: float) -> Figure:
-    """Draw mean hydraulic aperture and its ratio to the mean aperture for each rock's base case."""
+    """Draw mean hydraulic apertures, and their ratios to mean apertures, for each rock's base case.
+
+    ``table`` is that of `studies.paper.apertures.flow_table`; stresses below ``seating_stress``
+    [Pa] are left out.
+    """
     directions = list(dict.fromkeys(table.direction))
     kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
     figure, panels = panel_grid(len(rocks), len(kinds), (3.5, 3.1), (0.0, 0.7), sharex="row")
@@ -452,9 +473,9 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
 
 
 def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
-    """Draw the mean of each cycle's branches over the realisations, with a band about loading."""
+    """Draw in a panel the mean of a quantity on each branch of each cycle; loading has a band."""
     unit = _QUANTITIES[quantity][0]
-    # the mean over only those joints that reach a stress would not represent all joints
+    # at stresses that only some joints reach, their mean would not represent all joints
     table = table[table.samples == table.samples.max()]
     for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
         colour = f"C{cycle - 1}"
@@ -474,7 +495,10 @@ def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
 
 
 def _panels(parameters: list[str], cycles: list[int], panel: tuple, margin=(0.0, 0.0), **shared):
-    """Return a figure with rows of cycles and columns of parameters, and its panels by both."""
+    """Return a figure with a panel for each cycle (row) and parameter, and its panels by both.
+
+    ``panel`` and ``margin`` are sizes [inches], see `panel_grid`.
+    """
     shape = (len(cycles), len(parameters))
     figure, grid = panel_grid(*shape, panel, margin, **shared)
     named = dict(zip(itertools.product(cycles, parameters), grid.flat, strict=True))
@@ -485,7 +509,10 @@ def _panels(parameters: list[str], cycles: list[int], panel: tuple, margin=(0.0,
 
 @styled
 def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw lengths of indifference intervals over the rocks, gross and net, and the paper's."""
+    """Draw the lengths of indifference intervals, gross and net, for each rock, and the paper's.
+
+    ``table`` is that of intervals, with those of the paper beside if it has these rocks.
+    """
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
     figure, panels = _panels(parameters, cycles, (3.1, 2.9), (0.0, 0.8), sharex=True)
@@ -547,11 +574,12 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 
 @styled
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
-    """Draw mean maximum gross closure over each parameter.
+    """Draw mean maximum gross closure, and closure net of bulk indentation, over each parameter.
 
-    Values of the parameter are relative to those of the base cases; if there is one rock only, they
-    have the unit of the parameter. On common surfaces the errors are those of changes from the base
-    case on the same surfaces, in which the scatter of surfaces largely cancels.
+    Values of the parameter are relative to the rock's own value; if there is one rock only, they
+    are in the unit of the parameter. If cases have common surfaces, errors are those of the change
+    from the base case on the same surfaces, in which the scatter of surfaces largely cancels.
+    ``closures`` is the table of `max_closure_table`.
     """
     parameters = [p for p in PROPERTIES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
@@ -607,9 +635,9 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
 
 
 _OURS, _NULL = "#2a6f97", "0.82"
-"""Colours of this study, and of studies in which no property has an effect."""
+"""Colours of repetitions of this study, and of studies in which no property has an effect."""
 _RANGE = (0.5, 500.0)
-"""Range of the axis, in percent of the rock's value."""
+"""Range of lengths on the axis [% of the rock's value]."""
 _DASH = 900.0
 """Position of the column of dashes on that axis, beyond the range."""
 _BINS = np.geomspace(*_RANGE, 61)
@@ -620,9 +648,10 @@ _TICKS = (1, 3, 10, 30, 100, 300)
 def predictive_figure(
     drawn: xr.Dataset, paper: pd.DataFrame, rocks: dict[str, StudyRock], draws: int
 ) -> Figure:
-    """Draw lengths over repetitions of the study and of the null model, and those of the paper.
+    """Draw the distributions of lengths over repetitions, by the model and by the null model.
 
-    ``drawn`` is the dataset of `lengths_dataset`, ``draws`` the number of surfaces of a repetition.
+    The lengths of the paper are drawn too. ``drawn`` is the dataset of `lengths_dataset`, ``draws``
+    is the number of surfaces of a repetition at each level.
     """
     parameters = [p for p in PROPERTIES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
@@ -658,7 +687,11 @@ def predictive_figure(
 
 
 def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
-    """Draw one rock's row: densities, and the model's median, 90 % range and share of dashes."""
+    """Draw the lengths [%] of one rock at the height ``y`` of a panel.
+
+    These are the densities of ``ours`` and of ``null`` (repetitions,), the median and 90 % range of
+    ours, and the shares of dashes of both.
+    """
     centres = np.sqrt(_BINS[:-1] * _BINS[1:])
     for values, style, zorder in (
         (null, {"color": _NULL, "lw": 0}, 1),
@@ -729,10 +762,12 @@ def study_figures(
     flow: pd.DataFrame | None = None,
     report: Callable[[str], object] = lambda line: None,
 ) -> dict[str, Figure]:
-    """Draw the figures of a study by name; ``surfaces`` are those of its first case.
+    """Return the figures of a study by the names of their files.
 
-    ``curves`` are the measured ones of rocks, ``fits`` the table of joints that fit them best, and
-    ``flow`` the table of apertures.
+    ``surfaces`` are those of its first case, ``intervals`` and ``closures`` its tables. ``curves``
+    are the measured curves by rock, ``fits`` is the table of `fit_table`, and ``flow`` is that of
+    `flow_table`; without these their figures are left out. ``report`` is called with a line on how
+    many surfaces are drawn.
     """
     measured = Measurements() if fits is None else Measurements(curves, fits)
     drawn = np.union1d(study.realization.values[:MOST_DRAWN], measured.best)

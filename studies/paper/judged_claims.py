@@ -1,13 +1,13 @@
-"""Judgement of the paper's claims: their truth in the model, and confirmation by a study.
+"""Judgement of the paper's claims: their truth in the model, and their confirmation by studies.
 
-The verdict on the model compares 95 % intervals of the margins (`studies.paper.claims`) with the
-range in which a claim is true. A claim *stands* if the intervals of all margins in all rocks are in
-this range, and *falls* if one is outside. A comparison shows *no difference* if the interval of the
-smallest margin is within the tolerance. Otherwise a claim is *undecided*. The intervals of one
-claim are simultaneous (Bonferroni).
+The verdict compares 95 % intervals of the margins of a claim (`studies.paper.claims`) with the
+range in which the claim is true of the model. A claim *stands* if the intervals of all margins in
+all rocks are in this range, and *falls* if one interval is outside. A comparison shows *no
+difference* if the interval of the smallest margin is within the tolerance. Otherwise a claim is
+*undecided*. The intervals of the margins of one claim are simultaneous (Bonferroni).
 
-Confirmation by a study is the share of repetitions in which the claim is true for all rocks by
-point estimates. A repetition has n independent draws at every level.
+Confirmation by studies is the share of repetitions of a study in which point estimates confirm the
+claim in all rocks. A repetition has n independent draws of surfaces at every level.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -39,33 +39,28 @@ from studies.paper.responses import RockSample, rock_sample, rocks_of, sensitivi
 
 COLUMNS = ["number", "claim", "section", "paper", "paper_finds", "verdict", "remark", "found_here"]
 OF_PAPER = ["section", "paper", "paper_finds"]
-"""Columns that are left out in a study of other rocks."""
+"""Columns that are left out in a study without rocks of the paper."""
 MARGIN_COLUMNS = ["number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high"]
 MARGIN_COLUMNS += ["decides"]
 
 
 class Evidence(NamedTuple):
-    """Datasets by which claims are judged, and settings of the repetitions.
+    """Datasets by which claims are judged, and settings of the repetitions of a study."""
 
-    The verdict on the model is that of ``pool``, which may be the study itself. Repetitions of the
-    study, by ``design``, are drawn from the pool too. ``study`` shows which claims one study
-    confirms.
-    """
-
-    study: xr.Dataset
-    pool: xr.Dataset
-    design: repeated.Design
-    repetitions: int
-    root_seed: int
-    resampled_pools: int = repeated.RESAMPLED_POOLS
+    study: xr.Dataset  # the study, of which the table tells which claims it confirms
+    pool: xr.Dataset  # joints that give the verdict, and from which repetitions are drawn
+    design: repeated.Design  # of a repetition
+    repetitions: int  # number of repetitions
+    root_seed: int  # from which their random numbers follow
+    resampled_pools: int = repeated.RESAMPLED_POOLS  # number, by which the pool's error is known
 
 
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Judge all claims by both criteria; return a table of claims, and one of their margins.
+    """Judge all claims by both criteria; return a table of claims, and a table of their margins.
 
-    The margin of a rock that is smallest, in standard errors, ``decides``. ``paper`` is Table 3. In
-    a study without rocks of the paper, claims without margins and columns of the paper are left
-    out.
+    In the second table ``decides`` marks, for each rock, the margin that is smallest in units of
+    its standard error. ``paper`` is the paper's Table 3. In a study without rocks of the paper,
+    claims without margins are left out, and so are the columns of the paper.
     """
     samples = _samples(evidence.pool)
     design = evidence.design
@@ -97,9 +92,10 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
 
 
 def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Frequency]:
-    """Return the share of repetitions that confirm each claim that can be judged.
+    """Return by claim the share of repetitions that confirm it, for claims that can be judged.
 
-    Its error contains that of the pool, which is estimated from resampled pools.
+    ``samples`` are those of the pool. The error of a share contains the error due to the finite
+    pool, which is estimated from resampled pools.
     """
     pools = sensitivities(samples)
     names = samples[0].names if samples else ()
@@ -132,7 +128,10 @@ def _samples(dataset: xr.Dataset) -> list[RockSample]:
 
 
 def _at_half_stress(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return `LOOP` and `EXCESS` of each case, at the stored stress next to half the maximum."""
+    """Return `LOOP` and `EXCESS` [m] of all joints of a dataset, by name.
+
+    They are taken at the stored stress that is next to half of the maximum stress of the case.
+    """
     most = dataset.max_normal_stress
     place = dataset.get_index("stress").get_indexer(0.5 * most.values, method="nearest")
     cases = xr.DataArray(np.arange(most.size), dims="case")
@@ -146,7 +145,10 @@ def _at_half_stress(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def _with_squares(sample: RockSample) -> RockSample:
-    """Add the squared deviations of a sample's closures, whose means are their variances."""
+    """Return a sample with `SQUARE` for each cycle as further targets.
+
+    The means of these squared deviations are the variances of the maximum closures.
+    """
     n = sample.values.shape[-1]
     cycles = [cycle for variable, cycle in sample.names if variable == TARGET]
     closures = sample.values[[sample.target(TARGET, cycle) for cycle in cycles]]
@@ -158,7 +160,11 @@ def _with_squares(sample: RockSample) -> RockSample:
 
 
 def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estimate]]:
-    """Return the margins of a rock by claim, and by name and cycle, for properties that vary."""
+    """Return the margins of a rock with their errors, by number of the claim, and (name, cycle).
+
+    Claims are left out if the rock does not vary all their parameters. ``critical`` is the
+    significant change of a mean closure over its standard deviation.
+    """
     asked = [
         (claim, cycle)
         for claim in CLAIMS
@@ -184,9 +190,10 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple, Estim
 def _verdict_on_model(
     claim: Claim, asked: dict[str, dict[tuple, Estimate]], sizes: dict[str, int]
 ) -> tuple[str, list[dict]]:
-    """Return the verdict on the model, and rows of the table of margins.
+    """Return the verdict on a claim in the model, and its rows of the table of margins.
 
-    ``asked`` are the margins by rock, and ``sizes`` the numbers of surfaces by rock.
+    ``asked`` has the margins of the claim by rock, and ``sizes`` the numbers of surfaces by rock.
+    Without margins the verdict is undecided.
     """
     if not asked:
         return UNDECIDED, []
@@ -213,7 +220,10 @@ def _yes(finds: np.ndarray | None) -> str | None:
 
 
 def as_found(samples: list[RockSample], significance: float) -> Findings:
-    """Return the findings of a real study (R = 1): means, and lengths by the unpaired test."""
+    """Return the findings of one real study (R = 1): means, and lengths by the unpaired t test.
+
+    ``samples`` are those of its rocks. Lengths are infinite without a root.
+    """
     drawn = {}
     for sample in samples:
         for parameter, (levels, cases, base) in sample.levels.items():
@@ -230,7 +240,10 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
 
 
 def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
-    """Return the findings of the paper's Table 3 as those of a study: lengths without means."""
+    """Return the paper's Table 3 as the findings of one study, which has lengths but no means.
+
+    Rocks and parameters are those of ``samples`` that the table has.
+    """
     cycles = sorted({int(cycle) for cycle in paper.cycle})
     published = paper.set_index(["rock", "parameter", "cycle"]).paper_length.to_dict()
     drawn = {}
@@ -248,7 +261,10 @@ def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
 
 
 def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
-    """Return the paper's Table 3 on a claim as text, or where else the paper shows it."""
+    """Return as text the entries of the paper's Table 3 on a claim, or where else it is shown.
+
+    ``rocks`` are the rocks whose entries are given.
+    """
     if claim.shown != stated.TABLE_3:
         return claim.shown
     statement = claim.statement
@@ -263,41 +279,47 @@ def _papers_figures(claim: Claim, paper: pd.DataFrame, rocks: set[str]) -> str:
 
 
 SQUARE = "squared deviation"
-"""Target whose mean is the variance of the maximum closure, ddof 1 [m2]."""
+"""Name of the target whose mean is the variance (ddof 1) of the maximum closure [m2]."""
 Name = TypeVar("Name", bound=Hashable)
 
 
 class ClosedModel(NamedTuple):
-    """Mean closures (..., targets, cases) of a rock, by which margins of claims are computed.
+    """Model of a rock by its mean closures, from which margins of claims are computed.
 
-    ``critical`` is the significant change of a mean closure over its standard deviation S.
+    Numbers that its methods return are arrays (...) as the leading dimensions of ``means``.
     """
 
     sample: RockSample
-    means: np.ndarray
-    critical: float
+    means: np.ndarray  # mean closures (..., targets, cases) [m]
+    critical: float  # significant change of a mean closure over the standard deviation S
 
     def elasticity(self, parameter: str, cycle: int, variable: str) -> Any:
         """Return d ln(closure)/d ln(parameter) at the rock's value, from Eq. (24)."""
         return self._fit(parameter, cycle, variable).elasticity()
 
     def slopes(self, parameter: str, cycle: int, variable: str) -> list:
-        """Return the elasticities of both halves of the levels, each about its middle."""
+        """Return the elasticities in the lower and in the upper half of the levels.
+
+        Each is that between the ends of its half, by means smoothed over all levels.
+        """
         levels, means = smoothed_by_all_levels(*self._means(parameter, cycle, variable))
         changes = np.diff(means) / (means[..., 1:] + means[..., :-1])
         slopes = changes * (levels[1:] + levels[:-1]) / np.diff(levels)
         return list(np.moveaxis(slopes, -1, 0))
 
     def change(self, parameter: str, cycle: int, change: float) -> Any:
-        """Return the relative change of the mean closure with a change of the parameter [SI]."""
+        """Return the relative change of mean maximum closure with a change [SI] of a parameter."""
         return self._fit(parameter, cycle, TARGET).relative_change(change)
 
     def share(self, variable: str, cycle: int) -> Any:
-        """Return the mean of a variable over the mean closure of the base case."""
+        """Return the mean of a variable over the mean maximum closure, both of the base case."""
         return self._at_base(variable, cycle) / self._at_base(TARGET, cycle)
 
     def significant(self, cycle: int) -> Any:
-        """Return the relative change of a mean closure that is significant, given the scatter."""
+        """Return the least relative change of mean maximum closure that is significant.
+
+        It follows from the scatter of the base case.
+        """
         scatter = self.critical * np.sqrt(self._at_base(SQUARE, cycle))
         return scatter / self._at_base(TARGET, cycle)
 
@@ -305,7 +327,7 @@ class ClosedModel(NamedTuple):
         return self.means[..., self.sample.target(variable, cycle), 0]
 
     def _means(self, parameter: str, cycle: int, variable: str) -> tuple:
-        """Return levels (k,), means (..., k) of the closure there, and the rock's value."""
+        """Return the levels (k,) of a parameter, mean closures (..., k) at these, rock's value."""
         levels, cases, base = self.sample.levels[parameter]
         return levels, self.means[..., self.sample.target(variable, cycle), :][..., cases], base
 
@@ -316,10 +338,11 @@ class ClosedModel(NamedTuple):
 def estimated(
     numbers: Callable[[np.ndarray], Mapping[Name, Any]], sample: RockSample
 ) -> dict[Name, Estimate]:
-    """Return numbers that are functions of means, with their standard errors to first order.
+    """Return numbers that are functions of mean closures, by name, with standard errors.
 
-    ``numbers`` returns values (...) by name from means (..., targets, cases). If cases have the
-    same surfaces, their covariances count, so that common scatter cancels.
+    ``numbers`` is a function that returns values (...) by name from means (..., targets, cases).
+    Errors are to first order. If all cases of the sample have the same surfaces, covariances
+    between cases count, so that scatter that they have in common cancels.
     """
     targets, cases, n = sample.values.shape
     means = sample.values.mean(axis=2)

@@ -1,4 +1,4 @@
-"""Measured curves that a study has for its rocks."""
+"""Measured closure curves that the configuration of a study states for its rocks."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from studies.frame.rocks import MeasuredFile
 
 
 class CurveSettings(NamedTuple):
-    """File of a rock's measured curve, and settings [SI] by which the curve is checked."""
+    """File of a rock's measured curve, and settings [SI] of the study that the curve must fit."""
 
     measured: MeasuredFile
     max_normal_stress: float
@@ -21,7 +21,7 @@ class CurveSettings(NamedTuple):
 
 
 def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
-    """Return the settings of the measured curves of a study by rock."""
+    """Return the settings of a study's measured curves, by rock, for rocks that have one."""
     cycles = study.study.cycles
     seating = study.seating_stress
     return {
@@ -32,7 +32,9 @@ def curve_settings(study: Configuration) -> dict[str, CurveSettings]:
 
 
 def measured_curves(settings: dict[str, CurveSettings]) -> dict[str, MeasuredCurve]:
-    """Read and check measured curves by rock, whose files exist (`check_files` of rocks).
+    """Return the measured curves by rock, read from their files and checked.
+
+    That the files exist has been checked before (`studies.frame.rocks.check_files`).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Tables of the paper's page that are more than rows of a stored table."""
+"""Tables and numbers of the paper's page that are not just rows of a stored table."""
 
 import pandas as pd
 
@@ -20,22 +20,26 @@ REST = "not judged"
 
 
 def intervals(table: list[dict], rocks: list[dict], of: str = "") -> str:
-    """Return Table 3 of the study, or (``of`` = "paper_") of the paper, as Markdown."""
+    """Return Table 3 as Markdown: that of the study, or of the paper if ``of`` is "paper_".
+
+    ``table`` are the rows of the table of intervals, ``rocks`` rows with names and titles.
+    """
     titles = {rock["rock"]: rock["title"] for rock in rocks}
     return "\n".join(markdown_rows(table_3(pd.DataFrame(table), titles, of)))
 
 
 def conclusions(table: list[dict]) -> list[list[str]]:
-    """Return the cells of the table of conclusions by row."""
+    """Return the cells of the table of conclusions, row by row; texts end before a bracket."""
     shown = concluded(pd.DataFrame(table))[COLUMNS].map(text)
     return shown.map(lambda words: words.partition(" (")[0]).to_numpy().tolist()
 
 
 def verdicts(table: list[dict], averages: list[dict]) -> dict[str, list[int]]:
-    """Count the paper's claims by verdict.
+    """Return three numbers of the paper's claims, by verdict.
 
-    The three numbers of a verdict are those of the study as configured, of the conclusions with
-    choices varied, and of closures averaged over readings (``averages``).
+    They count the verdicts of the study as configured, the conclusions with open choices varied,
+    and the verdicts by closures averaged over readings (``averages``). ``table`` are the rows of
+    the table of conclusions. Claims that this study has added do not count.
     """
     claims = pd.DataFrame(table).set_index("number")
     claims = claims[claims.section != OURS]

@@ -1,7 +1,7 @@
-"""Predicted distributions of Table 3 over repetitions of the study, and tests of the paper's table.
+"""Distributions of the lengths of Table 3 over repetitions of a study, and tests of the paper's.
 
-Repetitions are drawn from a pool: n surfaces for every level, independently, as in the paper. In
-the null model no parameter has an effect: every level draws from the base case.
+A repetition is drawn from a pool of joints: n surfaces for every level, independently, as in the
+paper. In the null model no parameter has an effect: all levels are drawn from the base case.
 """
 
 from typing import NamedTuple
@@ -24,32 +24,28 @@ from studies.paper.responses import (
 )
 
 Entry = tuple[str, str, int]
-"""Rock, parameter, cycle."""
+"""Entry of Table 3: rock, parameter, cycle."""
 Lengths = dict[Entry, np.ndarray]
+"""Lengths (R,) [SI] of indifference intervals over R repetitions, by entry; infinite: no root."""
 
 _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
-"""Parameters whose first-cycle entries are tested together for any effect beyond noise."""
+"""Parameters whose entries of the first cycle are tested together for any effect beyond noise."""
 AGAIN = 16
-"""Number of further sets of repetitions from the pool itself, for the scatter of p between
-repetitions. Eight sets together have as many repetitions as the first set."""
+"""Number of further sets of repetitions from the pool itself, by which the scatter of p between
+sets is known. Eight of them together have as many repetitions as the first set."""
 _TEST = ("log_likelihood", "log_likelihood_error", "p", "p_error", "p_pool_error")
+"""Columns of a joint test of several entries."""
 
 
 class Predictive(NamedTuple):
-    """Lengths [SI] (R,) of repetitions by entry, of the model and of the null model.
+    """Sets of repetitions of a study, by the model and by the null model."""
 
-    The first set of ``model`` and of ``null`` is drawn from the pool itself, the others are drawn
-    from resampled pools, for the error due to the pool. ``twice`` are second sets from the
-    resampled pools, and ``same`` are further ones from the pool itself. ``bases`` are the rock's
-    values [SI], ``pool`` the number of surfaces of each rock.
-    """
-
-    model: list[Lengths]
-    null: list[Lengths]
-    bases: dict[Entry, float]
-    pool: dict[str, int]
-    twice: list[Lengths]
-    same: list[Lengths]
+    model: list[Lengths]  # first from the pool itself, then from resampled pools, for its error
+    null: list[Lengths]  # the same by the null model
+    bases: dict[Entry, float]  # the rock's value of the parameter [SI]
+    pool: dict[str, int]  # number of surfaces of each rock
+    twice: list[Lengths]  # a second set by the model from each resampled pool
+    same: list[Lengths]  # further sets by the model from the pool itself
 
 
 def predictive(
@@ -59,7 +55,11 @@ def predictive(
     root_seed: int,
     pools: int = repeated.RESAMPLED_POOLS,
 ) -> Predictive:
-    """Draw repetitions of a study from a pool, and from as many resampled ``pools``."""
+    """Draw sets of repetitions of a study from a pool, and from resampled pools.
+
+    ``ensemble`` is the pool, ``design`` that of a repetition, and ``pools`` the number of resampled
+    pools. Random numbers follow from ``root_seed``.
+    """
     samples = maximum_closures(ensemble)
     pool = sensitivities(samples)
     cycles = [int(cycle) for cycle in ensemble.cycle.values]
@@ -91,7 +91,11 @@ def predictive(
 
 
 def median_pool_error(lengths: Predictive, entry: Entry) -> float:
-    """Return the standard error of a median length [SI] due to the pool; NaN if one is infinite."""
+    """Return the standard error of the median length [SI] of an entry that is due to the pool.
+
+    It is the standard deviation of the medians of resampled pools; NaN if one is infinite, or
+    without such pools.
+    """
     medians = [
         repeated.length_distribution(resampled[entry]).median for resampled in lengths.model[1:]
     ]
@@ -99,13 +103,21 @@ def median_pool_error(lengths: Predictive, entry: Entry) -> float:
 
 
 def _error_with_pool(error: float, shares: list[float], resampled: list[np.ndarray]) -> float:
-    """Return the standard error of a probability: that due to repetitions with that of the pool."""
+    """Return the standard error of a probability with the part that is due to the pool.
+
+    ``error`` is the part due to the number of repetitions; ``shares`` are the probabilities by
+    resampled pools, of which ``resampled`` has the lengths (R,). The pool's part is 0 for fewer
+    than two of these.
+    """
     of_pool = float(repeated.pool_error(shares, resampled[0].size)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
 
 
 def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
-    """Return maximum closures of rocks with levels and two surfaces that succeeded in all cases."""
+    """Return the maximum closures of the rocks of an ensemble for which repetitions can be drawn.
+
+    These rocks have levels, and at least two surfaces that succeeded in all of their cases.
+    """
     samples = [
         rock_sample(ensemble, rock, {TARGET: ensemble[TARGET]}) for rock in rocks_of(ensemble)
     ]
@@ -113,7 +125,10 @@ def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
 
 
 def lengths_dataset(lengths: Predictive) -> xr.Dataset:
-    """Return drawn lengths (entry, repetition) in percent of the rock's value, for figures."""
+    """Return the lengths (entry, repetition) in percent of the rock's value, for figures.
+
+    They are those of the first sets, by the model and by the null model.
+    """
     keys = list(lengths.bases)
     variables = {}
     for name, drawn, text in (
@@ -136,8 +151,9 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
     """Tabulate the distribution of each length of Table 3 over repetitions, in units of Table 1.
 
     ``share_without_root`` and ``share_zero`` are the shares of repetitions with an infinite length
-    and with one of 0. Lengths that the paper has get the probability of one at least as extreme, by
-    the model and by the null model.
+    and with a length of 0. For entries that the paper has (``paper``), ``p`` is the probability, by
+    the model, of a length at least as far from the middle as the paper's. ``null_p`` is the
+    probability, by the null model, of a length at least as short as the paper's.
     """
     published = _published(paper)
     rows = []
@@ -183,11 +199,12 @@ def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size:
 
 
 def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate joint tests of the paper's entries: each row, each cycle, and the whole table.
+    """Tabulate joint tests of the paper's entries: of each row, of each cycle, of the whole table.
 
-    ``p`` is the share of repetitions that are equally or less likely, dashes included. It scatters
-    more than a binomial share, as densities are estimated. ``null_p`` is that of the null model.
-    Where a repetition has a length of 0, tests of its entry are not defined, and empty.
+    ``p`` is the share of repetitions by the model that are as likely as the paper's entries or less
+    likely; dashes (no root) count too. It scatters more than a binomial share, as densities are
+    estimated. ``null_p`` is the share by the null model. Tests with an entry in which a repetition
+    has a length of 0 are not defined, and are left empty.
     """
     published = {
         entry: length * PROPERTIES[entry[1]].size
@@ -216,23 +233,23 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
 
 
 class _Evaluated(NamedTuple):
-    """Log-likelihoods by entry, computed once for all groups of entries.
+    """Log-likelihoods by entry under sets of repetitions, computed once for all joint tests.
 
-    ``jackknifed`` and ``crossed`` are those of the first set of repetitions, ``resampled`` and
-    ``further`` of two sets from each resampled pool. ``same`` are those of sets from the pool
-    itself, joined until they have as many repetitions as the first set. ``sizes`` are the
-    repetitions of the first set and of a resampled pool.
+    Crossed ones are of the paper's entries and of repetitions of the set, under halves of the set.
     """
 
-    jackknifed: repeated.JackknifedLikelihood
-    crossed: repeated.CrossedLikelihoods
-    resampled: list[repeated.CrossedLikelihoods]
-    further: list[repeated.CrossedLikelihoods]
-    same: list[repeated.CrossedLikelihoods]
-    sizes: tuple[int, int]
+    jackknifed: repeated.JackknifedLikelihood  # of the paper's entries under the first set
+    crossed: repeated.CrossedLikelihoods  # of the first set
+    resampled: list[repeated.CrossedLikelihoods]  # of one set from each resampled pool
+    further: list[repeated.CrossedLikelihoods]  # of a second set from each resampled pool
+    same: list[repeated.CrossedLikelihoods]  # of sets from the pool, as large as the first set
+    sizes: tuple[int, int]  # numbers of repetitions of the first set and of a resampled pool's
 
     def test(self, places: list[int]) -> dict[str, float]:
-        """Return the test of the entries at ``places``; empty if closures have no scatter."""
+        """Return the columns `_TEST` of the test of the entries at ``places``.
+
+        There are none if the test is not defined, as for closures without scatter.
+        """
         log_likelihood, standard_error, p = self.jackknifed.of(places).test(self.crossed.of(places))
         if np.isnan(p):
             return {}
@@ -257,7 +274,11 @@ def _evaluated(
     entries: list[Entry],
     observed: np.ndarray,
 ) -> _Evaluated:
-    """Compute the likelihoods of the published lengths under all sets of repetitions."""
+    """Return the likelihoods of the published lengths under all sets of repetitions.
+
+    ``observed`` (entries,) [SI] are the published lengths, NaN for a dash. ``drawn``, ``twice`` and
+    ``same`` are as in `Predictive`.
+    """
     (lengths, *resampled), further, again = (
         _tables(sets, entries) for sets in (drawn, twice, same)
     )
@@ -291,7 +312,7 @@ def _groups(published: list[Entry]) -> dict[str, list[Entry]]:
 
 
 def _published(paper: pd.DataFrame) -> dict[Entry, float]:
-    """Return the paper's lengths in the units of Table 1, NaN for a dash."""
+    """Return the paper's lengths by entry, in the units of Table 1; NaN for a dash."""
     return {
         (row.rock, row.parameter, int(row.cycle)): float(row.paper_length)
         for row in paper.itertuples()
@@ -303,7 +324,11 @@ def _error(share: float, repetitions: int) -> float:
 
 
 def _median_error(lengths: np.ndarray) -> float:
-    """Return half the range between quantiles one standard deviation of rank from the median."""
+    """Return the standard error of the median of lengths (n,), by the scatter of its rank.
+
+    It is half the range between the lengths at one standard deviation of the rank below and above;
+    infinite if the upper one is.
+    """
     off = 0.5 / np.sqrt(lengths.size)
     low, high = np.quantile(lengths, [0.5 - off, 0.5 + off], method="nearest")
     return float(0.5 * (high - low)) if np.isfinite(high) else np.inf

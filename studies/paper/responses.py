@@ -1,4 +1,4 @@
-"""Responses of closures to the parameters of a rock, and the pools from which studies are drawn."""
+"""Responses of closures to the parameters of rocks, and pools from which repetitions are drawn."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -20,40 +20,42 @@ from studies.paper.covariates import Covariates, adjustment
 
 
 def percent_of_value(length, base: float):
-    """Return a length in percent of a rock's value; NaN where that is 0, as Poisson's ratio may."""
+    """Return a length, a number or array, in percent of the rock's value ``base`` (same unit).
+
+    It is NaN if the value is 0, as that of Poisson's ratio may be.
+    """
     return 100.0 * length / abs(base) if base else np.nan * length
 
 
 class Response(NamedTuple):
-    """Closures ``samples`` (level, realization) [m] of a rock and cycle over a parameter.
-
-    ``base`` is the rock's value and ``levels`` are the values of the parameter [SI]. The samples
-    are ``paired`` if a realisation has the same surfaces at all levels.
-    """
+    """Response of a closure, in one rock and cycle, to a parameter."""
 
     rock: str
     parameter: str
     cycle: int
-    base: float
-    levels: np.ndarray
-    samples: np.ndarray
-    paired: bool
-    covariates: Covariates | None = None
+    base: float  # the rock's value of the parameter [SI]
+    levels: np.ndarray  # values (k,) of the parameter [SI], ascending
+    samples: np.ndarray  # closures (k, realization) [m]
+    paired: bool  # whether a realisation has the same surfaces at all levels
+    covariates: Covariates | None = None  # of the samples
 
     @property
     def means(self) -> np.ndarray:
+        """Mean closures (k,) [m] at the levels."""
         return self.samples.mean(axis=1)
 
     @property
     def deviations(self) -> np.ndarray:
+        """Standard deviations (k,) [m] of the closures at the levels."""
         return self.samples.std(axis=1, ddof=1)
 
     def interval(
         self, significance: float, surfaces: int | None = None
     ) -> PairedInterval | IndifferenceInterval:
-        """Compute the indifference interval [SI] by the paired or the unpaired test.
+        """Return the indifference interval [SI] by the paired test if samples are paired.
 
-        ``surfaces`` is the number of surfaces of the test, by default that of the samples.
+        Otherwise it is that by the unpaired test. ``surfaces`` is the number of surfaces in the
+        test, by default that of the samples.
         """
         about = (significance, self.base)
         levels = self.levels
@@ -65,32 +67,32 @@ class Response(NamedTuple):
         return indifference_interval(levels, self.means, self.deviations, n, significance, base)
 
     def percent(self, length):
-        """Return a length [SI] in percent of the rock's value; NaN where that is 0."""
+        """Return a length [SI] in percent of the rock's value; NaN if the value is 0."""
         return percent_of_value(length, self.base)
 
 
 class Levels(NamedTuple):
-    """Ascending levels (k,) [SI] of a parameter, places of their cases, and the rock's value."""
+    """Levels of a parameter of a rock, the rock's own value among them."""
 
-    values: np.ndarray
-    cases: np.ndarray
-    base: float
+    values: np.ndarray  # (k,) [SI], ascending
+    cases: np.ndarray  # places (k,) of the cases with these values
+    base: float  # the rock's own value [SI]
 
 
 class RockSample(NamedTuple):
-    """Values (targets, cases, n) [m] of a rock, of the realisations that have all of them.
+    """Closures of all cases of a rock, for the realisations that succeeded in every case.
 
-    ``names`` are the variable and cycle of each target, ``levels`` those of each varied parameter.
+    A target is a variable in one cycle.
     """
 
     rock: str
-    names: tuple[tuple[str, int], ...]
-    levels: dict[str, Levels]
-    values: np.ndarray
-    paired: bool
+    names: tuple[tuple[str, int], ...]  # variable and cycle of each target
+    levels: dict[str, Levels]  # by varied parameter; places of cases are those in ``values``
+    values: np.ndarray  # (targets, cases, realisations) [m]
+    paired: bool  # whether a realisation has the same surfaces in all cases
 
     def target(self, variable: str, cycle: int) -> int:
-        """Return the index of a target in `names`."""
+        """Return the index of a target, a variable in a cycle, in `names`."""
         return self.names.index((variable, cycle))
 
 
@@ -100,7 +102,7 @@ def rocks_of(study: xr.Dataset) -> list[str]:
 
 
 def levels_of(study: xr.Dataset, rock: str) -> dict[str, Levels]:
-    """Return the levels of every varied parameter of a rock, in the order of Table 3."""
+    """Return the levels of every varied parameter of a rock, by parameter in Table 3's order."""
     of_rock = (study.rock == rock).values
     base_case = of_rock & (study.parameter == BASE).values
     levels = {}
@@ -124,7 +126,11 @@ def same_surfaces(study: xr.Dataset, rock: str) -> bool:
 def responses(
     study: xr.Dataset, target: str, covariates: Covariates | None = None
 ) -> Iterator[Response]:
-    """Generate all responses of a target (over case, realization, cycle) of a study."""
+    """Generate the responses of a variable of a study, for each rock, parameter and cycle.
+
+    ``target`` is its name; it is over case, realization and cycle. Realisations that failed at a
+    level are left out.
+    """
     good = succeeded(study).values
     for rock in rocks_of(study):
         paired = same_surfaces(study, rock)
@@ -140,7 +146,10 @@ def responses(
 
 
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
-    """Return variables of all cases of a rock, of realisations that succeeded in every case."""
+    """Return the ``variables`` (case, realization, cycle) of all cases of a rock.
+
+    Realisations are left out that failed in a case, or have a value that is not finite.
+    """
     cases = np.flatnonzero((study.rock == rock).values)
     names = []
     values = []
@@ -161,9 +170,9 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
 
 
 def sensitivities(samples: list[RockSample]) -> dict[tuple[str, str], Sensitivity]:
-    """Return the pools from which studies are drawn, by rock and parameter.
+    """Return the pools from which repetitions of a study are drawn, by rock and parameter.
 
-    Pools of cases on the same surfaces have the same name.
+    Pools of cases with the same surfaces have the same name.
     """
     by_parameter = {}
     for sample in samples:

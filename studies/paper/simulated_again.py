@@ -1,4 +1,4 @@
-"""Single joints of a finished study, simulated again for their steps, which no dataset has."""
+"""Single joints of a finished study, simulated again for all their steps, which no dataset has."""
 
 import json
 from functools import lru_cache
@@ -15,7 +15,11 @@ from studies.frame.yaml_files import merged
 
 
 def simulate_again(study: xr.Dataset, case: str, realization: int) -> xr.Dataset:
-    """Simulate a joint of a study again by the configuration in its dataset; return all steps."""
+    """Return all steps of a joint of a finished study, which is simulated again.
+
+    The study is its dataset, which has its configuration, and ``case`` is a label. The joint is
+    simulated with the effects of the case, and without flow.
+    """
     scene = str(study.scene.sel(case=case).item())
     return _closed(study.attrs["configuration"], scene, case, realization)
 
@@ -37,5 +41,8 @@ def _closed(stated: str, scene: str, label: str, realization: int) -> xr.Dataset
 
 
 def _configuration(stated: str) -> Configuration:
-    """Read the keys of a dataset; those that it lacks (see `closed_keys`) have their defaults."""
+    """Return the configuration that a dataset stores as JSON.
+
+    Keys that it lacks (see `studies.frame.cases.closed_keys`) have their defaults.
+    """
     return read_stored(merged(merged_study(), json.loads(stated)))

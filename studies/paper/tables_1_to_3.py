@@ -1,4 +1,4 @@
-"""Tables of a study as frames and texts, in which titles from users are escaped."""
+"""Tables 1 to 3 of a study as data frames and Markdown; titles from users are escaped in texts."""
 
 import contextlib
 import re
@@ -15,11 +15,15 @@ from studies.frame.rocks import StudyRock
 from studies.frame.settings import BASE, SIDES
 
 LONGEST_TITLE = 40
-"""Largest number of letters of a title in a figure; longer ones are cut."""
+"""Largest number of letters of a rock's title in a figure; longer titles are cut."""
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Make the paper's Table 1, with maximum stresses and mean closures [mm] of every cycle."""
+    """Return Table 1: the properties of the rocks, in its units, and their maximum stresses.
+
+    With ``closures``, the table of `max_closure_table`, it also has the mean maximum closures [mm]
+    of the base cases by cycle.
+    """
     rows = []
     for name, rock in rocks.items():
         row: dict[str, object] = {"rock": name, "title": rock.title}
@@ -38,12 +42,15 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 
 
 def roughness_title(rock: StudyRock) -> str:
-    """Describe a rock's walls for a figure: their JRC, or "scanned walls"."""
+    """Return words on the walls of a rock, for a figure: their JRC, or "scanned walls"."""
     return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
 
 
 def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Make the paper's Table 2, one row per rock, parameter and level; closures as in Table 1."""
+    """Return Table 2, with a row for each rock, varied parameter and level.
+
+    ``closures`` are as for `rock_table`.
+    """
     rows = []
     for name, rock in rocks.items():
         for parameter in (name for name in PROPERTIES if name in rock.levels):
@@ -60,7 +67,10 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 
 
 def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level: str) -> dict:
-    """Return mean maximum closures [mm] of a case by cycle, rounded to their standard errors."""
+    """Return the mean maximum closures [mm] of a case as texts, by the column of the cycle.
+
+    They are rounded to their standard errors. There are none without ``closures``.
+    """
     if closures is None:
         return {}
     case = (closures.rock == rock) & (closures.parameter == parameter) & (closures.level == level)
@@ -71,7 +81,10 @@ def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level
 
 
 def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """Add the paper's lengths to intervals, and whether they are ``in_paper``, if any is."""
+    """Return the table of intervals with the paper's lengths beside those of the study.
+
+    The column ``in_paper`` tells which rows the paper has. Without any the table stays as it is.
+    """
     keys = ["rock", "parameter", "cycle"]
     published = paper[[*keys, "paper_length", "paper_percent"]].assign(in_paper=True)
     beside = intervals.merge(published, on=keys, how="left", validate="1:1")
@@ -82,7 +95,10 @@ def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
 def interval_text(
     length: float, percent: float, mark: str = "", standard_error: float = float("nan")
 ) -> str:
-    """Format an interval as in the paper: number rounded to its error, mark, percentage."""
+    """Return the length of an interval as text like in the paper: number, mark, percentage.
+
+    The number is rounded to its standard error, if this is known. It is a dash for NaN.
+    """
     if pd.isna(length):
         return "–"
     known = 0.0 < standard_error < float("inf")
@@ -92,7 +108,11 @@ def interval_text(
 
 
 def _mark(row: pd.Series, column: str) -> str:
-    """Return marks: * root outside the levels, † negative deviation at it, ‡ no upper end."""
+    """Return the marks of an interval: * root outside of the levels, † negative deviation there.
+
+    The mark ‡ is for a confidence interval without an upper end. ``column`` is as for `table_3`;
+    intervals of the paper, and by the unpaired formula on common surfaces, have no marks.
+    """
     if column in ("paper_", "unpaired_"):
         return ""
     endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
@@ -101,9 +121,9 @@ def _mark(row: pd.Series, column: str) -> str:
 
 
 def closure_lines(closures: pd.DataFrame) -> list[str]:
-    """Describe mean net closures since seating, one sentence per rock, from `max_closure.csv`.
+    """Return a line for each rock on its mean net closures since seating, for the screen.
 
-    They have half of their 95 % interval.
+    ``closures`` is the table of `max_closure_table`. Means have half of their 95 % interval.
     """
     name = "max_closure_seated_net_mean_mm"
     base = closures[closures.parameter == BASE]
@@ -120,9 +140,10 @@ def closure_lines(closures: pd.DataFrame) -> list[str]:
 
 
 def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
-    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks.
+    """Return indifference intervals as texts in the paper's layout: parameters by cycle and rock.
 
-    ``column`` selects intervals: a prefix of their columns ("paper_"), or a suffix ("_net").
+    ``column`` selects the intervals of the table: it is the prefix ("paper_") or the suffix
+    ("_net") of the names of their columns.
     """
     before, after = (column, "") if column.endswith("_") else ("", column)
     texts = [
@@ -143,7 +164,10 @@ def _titles_in(table: pd.DataFrame, titles: dict[str, str]) -> dict[str, str]:
 
 
 def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFrame:
-    """Arrange column ``text``: parameters by (cycle, title of the rock), empty where missing."""
+    """Return the column ``text`` of a table in the paper's layout; missing entries are "".
+
+    Rows are parameters, columns are (cycle, title of the rock).
+    """
     texts = table.set_index(["parameter", "cycle", "rock"]).text.to_dict()
     rows = {
         parameter: {
@@ -160,7 +184,10 @@ def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFr
 def table_3_markdown(
     table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
 ) -> str:
-    """Return Table 3, gross, net and of the paper, as Markdown; with elasticities if paired."""
+    """Return Table 3 as Markdown: gross and net intervals, those of the paper if any, and a note.
+
+    If tests are paired, elasticities and the intervals by the unpaired formula are added.
+    """
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
     test = test_name(table)
@@ -185,7 +212,7 @@ def table_3_markdown(
 
 
 def markdown_rows(frame: pd.DataFrame) -> list[str]:
-    """Return rows in Markdown of a table of parameters by (cycle, rock)."""
+    """Return the lines in Markdown of a table of parameters by (cycle, title of the rock)."""
     names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
     lines = ["| Parameter | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for parameter, row in frame.iterrows():
@@ -194,7 +221,7 @@ def markdown_rows(frame: pd.DataFrame) -> list[str]:
 
 
 def property_heading(parameter: str) -> str:
-    """Return the heading of the row of a property, with symbol (such as σc) and unit."""
+    """Return the heading of a property's row in Table 3, with symbol (such as σc) and unit."""
     if parameter == "jrc":
         return "Joint roughness coefficient (JRC)"
     about = PROPERTIES[parameter]
@@ -205,12 +232,15 @@ def property_heading(parameter: str) -> str:
 
 
 def _plain_markdown(title: str) -> str:
-    """Escape a title for a cell of a Markdown table."""
+    """Return a title as text of a cell of a Markdown table, in which its marks are escaped."""
     return re.sub(r"([\\`*_{}\[\]<>|#&~$!])", r"\\\1", _one_line(title))
 
 
 def figure_text(title: str) -> str:
-    """Return a title as text of a figure: escaped, shown in legends, and not too long."""
+    """Return a title as text of a figure: without formulas, and cut to `LONGEST_TITLE` letters.
+
+    A title that begins with "_" gets a blank before it, as legends would leave it out.
+    """
     shown = _one_line(title)
     if len(shown) > LONGEST_TITLE:
         shown = f"{shown[: LONGEST_TITLE - 1]}…"
@@ -219,7 +249,7 @@ def figure_text(title: str) -> str:
 
 
 def _plain_csv(cell):
-    """Prefix a text that a spreadsheet would read as a formula with an apostrophe."""
+    """Return a cell of a CSV table; texts that spreadsheets take for formulas get an apostrophe."""
     if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r")):
         return "'" + cell
     return cell

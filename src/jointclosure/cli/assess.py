@@ -44,7 +44,7 @@ def _announced(joints: int, seconds: float) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Assess the joint and write its folder; return 1 if it is not stable."""
+    """Assess the joint, print the assessment and write its folder; return 1 if it is not stable."""
     _, stated = options.keywords(arguments, Conditions, RESOLVED, "max_normal_stress")
     asked = options.given(arguments, ("within", "budget"))
     workers = options.given(arguments, ("workers",))

@@ -35,14 +35,14 @@ from jointclosure.walls.scans import file_digest
 def declare(command: argparse.ArgumentParser) -> None:
     options.add_walls(command)
     options.add_conditions(command, RESOLVED)
-    known = command.add_argument_group("range of the results")
+    range_group = command.add_argument_group("range of the results")
     what = (
         "range in which a property of the rock lies, or peak_modulus_ratio, base_radius_in_cells "
         "or spacing_mm, such as: --range compressive_strength_MPa 140 200"
     )
-    known.add_argument("--range", nargs=3, action="append", default=[], help=what,
-                       metavar=("KEY", "LOW", "HIGH"))  # fmt: skip
-    options.add_keywords(known, close, "single", "workers")
+    range_group.add_argument("--range", nargs=3, action="append", default=[], help=what,
+                             metavar=("KEY", "LOW", "HIGH"))  # fmt: skip
+    options.add_keywords(range_group, close, "single", "workers")
     text = "folder of the results (default closed_joint)"
     files = command.add_argument_group("results")
     options.add_file_option(files, "--output", text, default="closed_joint")
@@ -50,7 +50,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate the joint and write its folder; return 1 if the simulation failed."""
+    """Simulate the joint, print its results and write its folder; return 1 if it failed."""
     from jointclosure.plotting import walls  # noqa: F401  an extra that may be missing
 
     rock, stated = options.keywords(arguments, close, RESOLVED, "max_normal_stress")
@@ -70,8 +70,10 @@ def run(arguments: argparse.Namespace) -> int:
     joint = joint._replace(history=command_results.write_animation(joint.history, arguments, title))
     about = command_results.attributes(stated)
     cycle = arguments.export_cycle
-    in_list = joint.budget is not None
-    exported = command_results.exported(joint.history, title, curves, joint.laws, cycle, in_list)
+    without_heading = joint.budget is not None
+    exported = command_results.exported(
+        joint.history, title, curves, joint.laws, cycle, without_heading
+    )
     files = _files(joint, scans, about, title, answer, exported, cycle)
     wrote = command_results.write_folder(arguments.output, "close", files)
     warned = len(files["joint.json"]["warnings"])
@@ -83,7 +85,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
-    """Return the stated ranges [SI] by name; raise one `InputError` of all that are wrong."""
+    """Return the ranges (low, high) [SI] of the options --range, by the name of what varies.
+
+    ``stated`` has key, low and high of each as texts. Raise one `InputError` that lists all wrong
+    options.
+    """
     ranges: dict[str, tuple[float, float]] = {}
     problems = []
     for key, *ends in stated:
@@ -100,7 +106,10 @@ def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
 
 
 def _range(key: str, ends: Sequence[str]) -> tuple[str, float, float]:
-    """Return name and ends [SI] of a stated range; raise `InputError` if it cannot be read."""
+    """Return the name, lower and upper end [SI] of one range, from its key and ends as texts.
+
+    Raise `InputError` if the ends are no numbers, or if the key cannot have a range.
+    """
     try:
         values = [float(end) for end in ends]
     except ValueError:
@@ -122,9 +131,11 @@ def _files(
     exported: Exported,
     cycle: int,
 ) -> dict[str, Any]:
-    """Return history, registration, figures and exports of a joint by the names of their files.
+    """Return the contents of the files of a joint's folder, by the names of the files.
 
-    ``exported`` has the files for other programs, whose constants are those of a ``cycle``.
+    They are the history, the record (joint.json), the figures, and the files for other programs,
+    which are ``exported`` with the constants of a ``cycle``. ``scans`` are the paths of the scans
+    by side, ``about`` is the provenance, and ``answer`` is that of `command_results.summary`.
     """
     from jointclosure.plotting.joint import closure_curve, range_figure
     from jointclosure.plotting.snapshots import snapshot_figure
@@ -150,9 +161,9 @@ def _files(
 def _record(
     joint: ClosedJoint, title: str, answer: dict[str, Any], exported: Exported, cycle: int
 ) -> dict[str, Any]:
-    """Return the results with units in their names.
+    """Return the content of joint.json: results of a joint by names that end in their units.
 
-    ``answer`` is that of `command_results.summary`, ``exported`` and ``cycle`` are as for `_files`.
+    Arguments are as for `_files`.
     """
     pair = joint.pair
     history = joint.history

@@ -1,4 +1,4 @@
-"""What commands print and write of a simulated joint: closures, status, snapshots and files."""
+"""Results of a simulated joint that commands print and write: tables, remarks, status and files."""
 
 import argparse
 import json
@@ -42,7 +42,7 @@ from jointclosure.uncertainty.ranged_results import (
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 
 ENDED_WELL = "the simulation ended as it should, but"
-"""Words before those of the flags of a status that is not a failure."""
+"""Words before the flags of a status that is not a failure."""
 _BOUNDS = (
     "the hydraulic aperture is left empty there, and its bounds are smallest_hydraulic and "
     "largest_hydraulic; they are to be used, or a lower maximum stress"
@@ -63,7 +63,7 @@ _REASONS = {
         f"for double precision; {_BOUNDS}"
     ),
 }
-"""Why the hydraulic aperture is 0, or only bounds of it are known, by status."""
+"""Why the hydraulic aperture is 0, or why only bounds of it are known, by the status of a flow."""
 _NO_RANGE_OF_LAWS = (
     "Barton-Bandis values have no range, because JRC and JCS are taken as exact and the law states "
     "no error"
@@ -80,17 +80,17 @@ _NO_RANGE_OF_DIRECTIONS = (
     "; those along x and y alone have no range, because it is computed for their mean only"
 )
 _WIDER_SHOWN = (CLOSURE_NET, STIFFNESS, APERTURE, CONTACT)
-"""Results whose range with other choices of the model is on the screen; all are in joint.json."""
+"""Results whose range with other choices of the model is printed; joint.json has those of all."""
 _CLOSURE = "closure_net_since_seating_mm"
-"""Curve that is known at every stress that a loading reached."""
+"""Curve that has a value at every stress that a loading reached."""
 _NAMED = (
     (_CLOSURE, "normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"),
     ("hydraulic_aperture_mm", "largest_hydraulic_mm"),
     ("transmissivity_m2_per_s", "largest_transmissivity_m2_per_s"),
 )
-"""Curves whose value on loading is shown at the stresses that a user names, by table."""
+"""Curves whose values on loading are printed at the stresses that a user names, by table."""
 _FLOW = tuple(name for table in _NAMED[1:] for name in table)
-"""Curves of flow whose value at the maximum is one of the first results."""
+"""Curves of flow whose values at the maximum stress are rows of the table of results."""
 
 
 def summary(
@@ -100,9 +100,11 @@ def summary(
     budget: Budget | None = None,
     at: Sequence[float] = (),
 ) -> tuple[str, dict[str, Any]]:
-    """Format the results of each cycle with remarks on them; return them for JSON too.
+    """Return the results of a simulated joint as text for the screen, and as a record for JSON.
 
-    ``curves`` are those of `stress_table`, with bands if known; ``at`` are named stresses [Pa].
+    Both have the results of each cycle, those at the stresses ``at`` [Pa] that a user named, and
+    remarks. ``curves`` are those of `stress_table`, with bands if a range was simulated; ``budget``
+    is this range.
     """
     of_laws = laws.sentence()
     if budget and laws.by_cycle:
@@ -163,7 +165,7 @@ def summary(
 
 
 def _section(heading: str, remarks: Sequence[str]) -> list[str]:
-    """Return the lines of remarks below a heading, none if there are no remarks."""
+    """Return an empty line, a heading and a line for each remark; no lines without remarks."""
     return ["", heading, *(f"- {remark}" for remark in remarks)] if remarks else []
 
 
@@ -173,7 +175,7 @@ def _as_heading(text: str) -> str:
 
 
 def _hyperbola_remarks(closed: xr.Dataset) -> list[str]:
-    """Return cautions about loadings that close further than their fitted hyperbola can."""
+    """Return cautions about loadings whose largest closure exceeds the Vm of their hyperbola."""
     closures = law_curves(closed)
     laws = fitted_laws(closed, ["hyperbolic"], [LOADING])
     remarks: list[str] = []
@@ -192,7 +194,10 @@ def _hyperbola_remarks(closed: xr.Dataset) -> list[str]:
 
 
 def _overlap_remarks(closed: xr.Dataset) -> list[str]:
-    """Return cautions about maxima at which the mean overlap exceeds the mean aperture left."""
+    """Return cautions about cycles at whose maximum stress contacts overlap too much.
+
+    It is too much if the mean overlap over all cells exceeds the mean aperture.
+    """
     remarks: list[str] = []
     for cycle in history_of(closed).cycles:
         if not cycle.unloading.has_steps:
@@ -217,10 +222,11 @@ def _overlap_remarks(closed: xr.Dataset) -> list[str]:
 def named_table(
     curves: pd.DataFrame, at: Sequence[float], with_choices: bool = False
 ) -> pd.DataFrame:
-    """Return curves on loading at stresses [Pa] as text, a row for each cycle and stress.
+    """Return a table of curves on loading at the stresses ``at`` [Pa], as texts for the screen.
 
-    ``with_choices`` is whether these are the bands with other choices of the model, which are not
-    known of a single run.
+    It has a row for each cycle and stress that the cycle reached, and each value with its band, if
+    ``curves`` have bands. ``with_choices``: it has only the bands with other choices of the model;
+    it is empty if ``curves``, as those of a single run, have none.
     """
     known = (curves.branch == LOADING) & curves.normal_stress_MPa.isin(np.asarray(at) / 1e6)
     rows = curves[known].dropna(subset=columns_of(curves, _CLOSURE))  # that the cycle reached
@@ -239,7 +245,7 @@ def named_table(
 
 
 def _in_parts(named: pd.DataFrame) -> list[str]:
-    """Return the table of `named_table` as text, in parts that are no wider than a screen."""
+    """Return the table of `named_table` as texts: one for each part that fits on a screen."""
     keys = list(named.columns[:2])
     parts = []
     for names in _NAMED:
@@ -250,7 +256,10 @@ def _in_parts(named: pd.DataFrame) -> list[str]:
 
 
 def _of_hyperbola(closed: xr.Dataset) -> dict[str, str]:
-    """Return headings of kni and Vm by their general ones, with the stress they count from."""
+    """Return headings of kni and Vm with the stress from which the hyperbola was fitted.
+
+    They are by the headings that they replace.
+    """
     where = f"of the hyperbola fitted from {1e-6 * history_of(closed).seating_stress:g} MPa"
     return {RANGED_RESULTS[KNI]: f"kni {where} (MPa/mm)", RANGED_RESULTS[VM]: f"Vm {where} (mm)"}
 
@@ -258,7 +267,11 @@ def _of_hyperbola(closed: xr.Dataset) -> dict[str, str]:
 def result_table(
     closed: xr.Dataset, laws: JointLaws, curves: pd.DataFrame, budget: Budget | None = None
 ) -> pd.DataFrame:
-    """Return results over cycles as text, with their ranges if known, beside Barton and Bandis."""
+    """Return the table of results as texts: a row for each result, a column for each cycle.
+
+    Values have their ranges if there is a ``budget``. Further columns have the values of the law of
+    Barton and Bandis. Rows of flow at the maximum stress follow if the flow was computed.
+    """
     results = results_of(closed).set_index("cycle")
 
     def text(cycle: int, name: str) -> str:
@@ -285,11 +298,14 @@ def result_table(
 
 
 def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
-    """Return a quantity of `stress_table` as text, each value with its band if that is known."""
+    """Return a quantity of `stress_table` as texts, one for each row of ``curves``.
+
+    A value is followed by its band in brackets if the table has bands, and if they have a width.
+    """
     columns = columns_of(curves, name)
     values = _without_rounding(curves[columns], name)
     texts = [with_equal_decimals(row, figures) for row in values.to_numpy()]
-    # a value that is so by definition, such as the closure at seating, has no range
+    # a value that is fixed by definition, such as the closure at seating, has no range
     same = ~(values.max(axis=1) > values.min(axis=1))
     shown = [
         row[0] if no_range else f"{row[0]} ({' to '.join(row[1:])})"
@@ -299,7 +315,7 @@ def with_bands(curves: pd.DataFrame, name: str, figures: int) -> pd.Series:
 
 
 def _wider_bands(curves: pd.DataFrame, name: str) -> pd.Series:
-    """Return the bands of `stress_table` with other choices of the model as text."""
+    """Return the bands of a quantity with other choices of the model, as one text for each row."""
     values = _without_rounding(curves[[name, *wider_columns_of(curves, name)]], name)
     texts = (with_equal_decimals(row)[1:] for row in values.to_numpy())
     shown = [low if low == high else f"{low} to {high}" for low, high in texts]
@@ -307,13 +323,19 @@ def _wider_bands(curves: pd.DataFrame, name: str) -> pd.Series:
 
 
 def _without_rounding(values: pd.DataFrame, name: str) -> pd.DataFrame:
-    """Return values of a quantity of `stress_table`, 0 where they are the rounding of it."""
+    """Return values of a quantity of `stress_table`, with 0 for values that are only rounding.
+
+    Only lengths [mm] are changed: those of at most `ROUNDING`.
+    """
     least = ROUNDING if name.endswith("_mm") else 0.0
     return values.where(~(values.abs() <= least), 0.0)
 
 
 def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float]]:
-    """Return the results of a joint by the laws of Barton and Bandis, by title and column."""
+    """Return the results of a joint by the laws of Barton and Bandis, in the units of tables.
+
+    They are by the title of the cycle's law, and then by the name of the column of the result.
+    """
     maxima = history_of(closed).maxima
     values: dict[str, dict[str, float]] = {}
     for cycle, law in laws.by_cycle.items():
@@ -325,7 +347,10 @@ def law_values(closed: xr.Dataset, laws: JointLaws) -> dict[str, dict[str, float
 
 
 def _flow_remarks(closed: xr.Dataset) -> list[str]:
-    """Describe the hydraulic apertures at the maximum of each cycle, and statuses of all steps."""
+    """Return remarks on the hydraulic apertures at the maximum stress of each cycle.
+
+    Further remarks count the steps whose flow is blocked or is known only by bounds.
+    """
     from jointclosure.joint.flow import LARGEST_IMBALANCE  # loads scipy's sparse matrices
 
     remarks = []
@@ -357,7 +382,10 @@ def _flow_remarks(closed: xr.Dataset) -> list[str]:
 
 
 def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
-    """Name the stresses of `stress_table` at which the flow is blocked, or known by bounds only."""
+    """Return remarks on the stresses of `stress_table` without a hydraulic aperture or its range.
+
+    There the flow is blocked, or only bounds of the aperture are known.
+    """
     reached = curves.dropna(subset=[_CLOSURE])
     aperture = reached.hydraulic_aperture_mm
     cases = {
@@ -382,7 +410,10 @@ def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
 
 
 def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
-    """Name the chosen ones of increasing stresses, those of three or more in a row by both ends."""
+    """Return the ``chosen`` ones of increasing stresses as text, such as "1, 3 to 5".
+
+    Of three or more neighbouring stresses in a row only the first and the last are named.
+    """
     parts = []
     changes = np.flatnonzero(np.diff(chosen)) + 1
     runs = zip(np.split(stresses, changes), np.split(chosen, changes), strict=True)
@@ -394,14 +425,17 @@ def _intervals(stresses: np.ndarray, chosen: np.ndarray) -> str:
 
 
 def status_text(closed: xr.Dataset) -> str:
-    """Return success or failure, with the names of the flags of the status, for files."""
+    """Return "success" or "failed" with the names of the flags of a joint's status, for files."""
     remarks = ", ".join(flag.name for flag in flags_of(int(closed.status)))
     word = "failed" if failed(closed) else "success"
     return f"{word}: {remarks}" if remarks else word
 
 
 def status_lines(closed: xr.Dataset) -> list[str]:
-    """Return the status in words, and below it the meaning and the remedy of each of its flags."""
+    """Return the status of a joint as lines for the screen.
+
+    The first line has the status, further ones the meaning and remedy of each of its flags.
+    """
     flags = flags_of(int(closed.status))
     outcome = "failed" if failed(closed) else ENDED_WELL
     return [
@@ -412,25 +446,34 @@ def status_lines(closed: xr.Dataset) -> list[str]:
 
 
 def attributes(settings: Mapping[str, Any]) -> dict[str, str]:
-    """Return code, versions and machine, and the keywords of a command's functions as JSON."""
+    """Return the provenance of a command's results as texts by name.
+
+    It has the code, the versions, the machine, and the ``settings`` (keywords) as JSON.
+    """
     return origin() | {"settings": json.dumps(to_plain(settings), default=str)}
 
 
 def scaled(values: Any, scale: float = 1.0) -> Any:
-    """Return scaled numbers, or fields of a named tuple, for JSON: null if they are not finite."""
+    """Return numbers times ``scale`` for JSON, with None (null) for those that are not finite.
+
+    It is a list, or for a named tuple a mapping of its fields.
+    """
     known = [scale * float(value) if np.isfinite(value) else None for value in values]
     return dict(zip(values._fields, known, strict=True)) if hasattr(values, "_fields") else known
 
 
 def plain(column: pd.Series) -> list[Any]:
-    """Return a column of numbers, null if they are not finite, or of words, for JSON."""
+    """Return a column of a table as a list for JSON, with None (null) for numbers not finite."""
     return scaled(column) if pd.api.types.is_numeric_dtype(column) else column.tolist()
 
 
 def kept_stresses(
     snapshots: tuple[float, ...], animation: Path | None, stress: Any
 ) -> tuple[float, ...]:
-    """Return the stresses [Pa] of the requested snapshots and of the frames of an animation."""
+    """Return the stresses [Pa] at which snapshots are kept: those requested, and those of frames.
+
+    Frames are those of an ``animation``, if one is requested, up to the largest ``stress`` [Pa].
+    """
     if animation is None:
         return snapshots
     from jointclosure.plotting.snapshots import animated_stresses
@@ -439,7 +482,10 @@ def kept_stresses(
 
 
 def write_animation(closed: xr.Dataset, arguments: argparse.Namespace, title: str) -> xr.Dataset:
-    """Write the animation, if requested; return the joint with only the requested snapshots."""
+    """Write the requested animation of a joint; return the joint with the requested snapshots only.
+
+    Without a request nothing is written, and the joint is returned as it is.
+    """
     if arguments.animation is None:
         return closed
     from jointclosure.plotting.snapshots import crushing_animation
@@ -458,9 +504,10 @@ def exported(
     cycle: int,
     in_list: bool = False,
 ) -> Exported:
-    """Return the files of `joint_files` and a figure of them, and print the remarks on them.
+    """Return the files of a joint for other programs, with a figure of them; print the remarks.
 
-    They continue a list of remarks (``in_list``), or have a heading.
+    The remarks on the files continue a list that was printed before (``in_list``), or follow a
+    heading. ``cycle`` is that of the constants, see `joint_files`.
     """
     known = joint_files(joint, curves, laws, cycle)
     lines = _section("Files", known.remarks)
@@ -477,6 +524,9 @@ def exported(
 
 
 def write_folder(folder: Path, command: str, files: Mapping[str, Any]) -> str:
-    """Replace the files of a command's earlier run, and return the line that names them."""
+    """Write files into a folder, in the place of those of the command's earlier run there.
+
+    Return the line for the screen that names them.
+    """
     replace_files(folder, command, files)
     return f"wrote {folder}: {', '.join(sorted(files)) or 'no file'}"

@@ -34,7 +34,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print all findings; return 1 if there is any advice."""
+    """Print all findings on the environment; return 1 if there is advice on a problem."""
     unwell = 0
     for what, state, advice in findings(Path.cwd()):
         unwell += bool(advice)
@@ -45,7 +45,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def findings(folder: Path) -> Iterator[tuple[str, str, str]]:
-    """Generate items of a study in a folder, their state, and advice if it is not in order."""
+    """Generate findings on the environment of a study in a folder: item, state, and advice.
+
+    The advice is "" if the item is in order.
+    """
     fits = (3, 11) <= sys.version_info[:2] <= (3, 13)
     advice = "" if fits else "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12"
     yield "python", f"{platform.python_version()} at {sys.executable}", advice
@@ -82,7 +85,7 @@ def findings(folder: Path) -> Iterator[tuple[str, str, str]]:
 
 
 def _state_of_kernels(stored: int, expected: int | None) -> str:
-    """Describe how many kernels are compiled, of the expected number if that is known."""
+    """Return words on how many kernels are compiled, of the expected number if that is known."""
     if expected is not None and stored >= expected:
         return f"all {expected} are compiled"
     compiled = "none is compiled"
@@ -104,7 +107,10 @@ def _writable(folder: Path) -> bool:
 
 
 def _snakemake(folder: Path) -> tuple[str, str, str]:
-    """Check whether Snakemake starts, and plans the smoke study if a Snakefile is here."""
+    """Return item, state and advice on Snakemake, see `findings`.
+
+    Snakemake is started: it plans the smoke study if the folder has a Snakefile.
+    """
     here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
     if importlib.util.find_spec("snakemake") is None:
         advice = installing("workflow") if here else ""

@@ -25,9 +25,9 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Fit the joint; print and write the result.
+    """Fit the joint to the curve; print the result, and write it if requested.
 
-    In its file null is an infinite or unknown number, or a strength that was not fitted.
+    In the file fit.json null is an infinite or unknown number, or a strength that was not fitted.
     """
     if arguments.output:
         from jointclosure.plotting.measured import fit_figure

@@ -20,7 +20,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Name the nearest of the allowed words besides what argparse says of another one."""
+        """Add the most similar allowed word to argparse's error for a word that is not allowed."""
         try:
             super()._check_value(action, value)
         except argparse.ArgumentError as error:
@@ -34,7 +34,11 @@ def parser(
     described: Mapping[str, str] = COMMANDS,
     package: str = "jointclosure.cli",
 ) -> argparse.ArgumentParser:
-    """Return a parser of all commands, with the arguments of the first one named in words."""
+    """Return a parser of all commands, with the arguments of one command only.
+
+    This is the first of the ``words`` of the command line that is no option; its module in
+    ``package`` is imported. ``described`` has the purposes of all commands by name.
+    """
     named = next((word for word in words if not word.startswith("-")), "")
     program = Parser(prog=program_name, description="Closure of rock joints.")
     program.add_argument("--version", action="version", version=__version__)
@@ -53,7 +57,11 @@ def parser(
 
 
 def main(words: Sequence[str] | None = None, **commands: Any) -> int:
-    """Run a command of `parser`; report errors of its input in one line on standard error."""
+    """Run the command that ``words`` state; return its exit status.
+
+    ``commands`` are further arguments of `parser`. Errors of input are printed in one line on
+    standard error, and have the status 2; an interruption has the status 130.
+    """
     words = sys.argv[1:] if words is None else words
     arguments, unknown = parser(words, **commands).parse_known_args(words)
     if unknown:

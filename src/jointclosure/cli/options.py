@@ -1,4 +1,4 @@
-"""Options that are keywords of the library's functions: their declaration, and their values."""
+"""Options of the command line that are keywords of the library's functions, and their values."""
 
 import argparse
 import inspect
@@ -37,14 +37,14 @@ UNITS = (
     | dict.fromkeys(("joint_length", "lab_length"), "mm")
     | dict.fromkeys(("shifts", "crushed_strength_ratios"), "1")
 )
-"""Units of options by keyword; other options have none."""
+"""Units of the values of options, by keyword; other options have no unit."""
 _NAMES = {
     "max_normal_stress": ("--stress", "--max-normal-stress"),
     "seating_stress": ("--seating", "--seating-stress"),
     "compressive_strength": ("--strength", "--compressive-strength"),
     "shape": ("--cells",),
 }
-"""Options by keyword whose names are not those of the keywords alone."""
+"""Names of options, by keyword, where they are not only that of the keyword."""
 _CHOICES: dict[str, Iterable[str]] = {
     "units": UNITS_OF_SCANS,
     "orientation": ORIENTATIONS,
@@ -58,7 +58,8 @@ _CHOICES: dict[str, Iterable[str]] = {
 }
 PICTURES = (".png", ".pdf", ".svg")
 SCANS, PLACES = ("units", "scan_spacing", "variable"), ("orientation", "shift", "spikes")
-"""Keywords of `read_scan`; of `registered` besides the spacing, which is one of `Conditions`."""
+"""Keywords of `read_scan`, and keywords of `registered`. The spacing of `registered` is not among
+them, as it is a keyword of `Conditions` too."""
 
 
 def names_of(keyword: str) -> tuple[str, ...]:
@@ -73,10 +74,12 @@ def add_keywords(
     usual: Mapping[str, Any] = {},
     **changes: dict,
 ) -> None:
-    """Declare keywords of a function as options; the first sentence on each is the help.
+    """Declare keywords of a function as options.
 
-    A value that is not given is not in the arguments, so that the function's default holds, or
-    that of ``usual``. ``changes`` are arguments of ``add_argument`` by keyword.
+    The help of an option is the first sentence on its keyword in the function's docstring.
+    An option that is not given is left out of the parsed arguments, so that the function's default
+    holds. The help names this default, or that in ``usual``. ``changes`` are arguments of
+    ``add_argument`` by keyword, which replace those made here; their keywords are declared too.
     """
     texts = documented(function)
     signature = inspect.signature(function).parameters
@@ -99,7 +102,7 @@ def add_keywords(
 
 
 def _form(name: str, hint: Any) -> dict[str, Any]:
-    """Return the arguments of ``add_argument`` for a keyword with a type."""
+    """Return the arguments of ``add_argument`` for a keyword, by the ``hint`` of its type."""
     types = get_args(hint)[:1] if get_origin(hint) is Annotated else (hint,)
     types = get_args(hint) if get_origin(hint) is UnionType else types
     kinds = {get_origin(kind) or kind for kind in types}
@@ -123,7 +126,7 @@ def _form(name: str, hint: Any) -> dict[str, Any]:
 
 
 def read(check: Callable, *words: Any) -> Any:
-    """Return the value of an option by ``check``; its `InputError` becomes an error of argparse."""
+    """Return the value ``check(*words)`` of an option; turn `InputError` into argparse's error."""
     try:
         return check(*words)
     except InputError as error:
@@ -131,7 +134,10 @@ def read(check: Callable, *words: Any) -> Any:
 
 
 def _cells(text: str) -> tuple[int, int]:
-    """Return the numbers of cells (y, x) of a text such as "100" or "200x100" (x by y)."""
+    """Return the numbers of cells (y, x) that a text states, such as "100" or "200x100" (x by y).
+
+    Raise `InputError` for other texts.
+    """
     parts = text.lower().split("x")
     if len(parts) > 2 or not all(part.isdigit() for part in parts):
         raise InputError(f"{text!r}: must be a number, or two such as 200x100")
@@ -139,17 +145,20 @@ def _cells(text: str) -> tuple[int, int]:
 
 
 def one_or_two(text: str) -> str | tuple[str, ...]:
-    """Return a word for both walls, or two with a comma for the upper and the lower one."""
+    """Return the text of an option for both walls; a tuple of its words if it has commas.
+
+    Two words are for the upper and for the lower wall.
+    """
     words = tuple(text.split(","))
     return words if words[1:] else text
 
 
 def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) -> Any:
-    """Return the numbers of a text, in the unit of a keyword, as a tuple of floats in SI.
+    """Return the numbers [SI] in the text of an option, which are in the unit of its keyword.
 
-    ``several`` is whether the text may have numbers with commas between them. If ``single``, one
-    number alone is returned as a float. If ``none``, the text may be "none", for which None is
-    returned. Raise `InputError` for other texts.
+    It is a tuple of floats. ``several`` is whether the text may have numbers with commas between
+    them. If ``single``, one number alone is returned as a float. If ``none``, the text may be
+    "none", for which None is returned. Raise `InputError` for other texts.
     """
     if none and text == "none":
         return None
@@ -166,10 +175,10 @@ def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) ->
 
 
 def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
-    """Return the path of a file that ends in one of some suffixes, or of a folder without any.
+    """Return the path of a file of results with one of the ``suffixes``; without any, of a folder.
 
-    Raise `InputError` for another suffix, a file in the place of a folder, a missing parent, or a
-    record of a folder that cannot be read. Permissions are not checked.
+    Raise `InputError` for another suffix, a file in the place of the folder, a missing parent
+    folder, or a folder whose record of its files cannot be read. Permissions are not checked.
     """
     path = Path(text)
     if suffixes and path.suffix.lower() not in suffixes:
@@ -203,7 +212,7 @@ def add_file_option(
 
 
 def add_walls(command: argparse.ArgumentParser) -> None:
-    """Declare the scans of both walls, and the grid and position of the joint."""
+    """Declare the arguments for the scans of both walls, and the options of their registration."""
     for wall in ("upper", "lower"):
         what = "x.txt,y.txt,z.txt for matrices in three files; or flat"
         command.add_argument(wall, help=f"scan of the {wall} wall; {what}")
@@ -214,7 +223,11 @@ def add_walls(command: argparse.ArgumentParser) -> None:
 def add_conditions(
     command: argparse.ArgumentParser, usual: Numerics, load: bool = True, states: bool = True
 ) -> None:
-    """Declare rock, load and stored states, model, and numerics with usual values."""
+    """Declare the options of the rock, the load, stored states, the model and the numerics.
+
+    Without ``load`` there are no options of load and flow, without ``states`` none of snapshots,
+    named stresses, laws and animation. ``usual`` are the numerics that the help names as defaults.
+    """
     rock = command.add_argument_group("rock")
     rock.add_argument("--rock", metavar="NAME", help=f"one of {', '.join(ROCKS)}", choices=ROCKS,
                       type=lambda name: matching(name, ROCKS) or name)  # fmt: skip
@@ -243,7 +256,11 @@ def add_conditions(
 def add_measured(
     command: argparse.ArgumentParser, usual: Numerics, title: str, function: Callable, *names: str
 ) -> None:
-    """Declare a measured curve, titled keywords of a function, and joints with usual numerics."""
+    """Declare the arguments for a measured curve and for joints that are compared with it.
+
+    ``names`` are keywords of ``function`` in a group with a ``title``; ``usual`` are the numerics
+    that the help names as defaults.
+    """
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     add_keywords(
         command.add_argument_group("curve"), MeasuredJoint, "seating_stress", "stress_unit",
@@ -262,7 +279,7 @@ def add_measured(
 
 
 def add_export_cycle(group: argparse._ArgumentGroup) -> None:
-    """Declare the cycle of whose loading the constants for other programs are."""
+    """Declare the option for the cycle whose loading gives the constants for other programs."""
     what = (
         "cycle of whose loading the constants for other programs and tables for GEOS are, counted "
         "from 1 (default 1, the first loading)"
@@ -271,22 +288,22 @@ def add_export_cycle(group: argparse._ArgumentGroup) -> None:
 
 
 def check_export_cycle(cycle: int, load: Load) -> None:
-    """Raise `InputError` if the load has no such cycle."""
+    """Raise `InputError` if the cycle of --export-cycle is not one of the load."""
     cycles = len(load.load_cycles)
     if not 1 <= cycle <= cycles:
         raise InputError(f"--export-cycle {cycle}: must be a cycle of the load, 1 to {cycles}")
 
 
 def refuse(problems: Sequence[str]) -> None:
-    """Raise one `InputError` of all problems, if there are any."""
+    """Raise one `InputError` that lists all problems, if there are any."""
     if problems:
         raise InputError("; ".join(problems))
 
 
 def unusual_options(arguments: argparse.Namespace) -> list[str]:
-    """Name the options whose values are unusual for rock, in their units.
+    """Return a sentence for each option with a value that is unusual for rock, in its unit.
 
-    Commands without --unusual-values have their own checks.
+    There is none with --unusual-values, or for commands that do not have this option.
     """
     if getattr(arguments, "unusual_values", True):
         return []
@@ -310,18 +327,20 @@ def unusual_options(arguments: argparse.Namespace) -> list[str]:
 
 
 def given(arguments: argparse.Namespace, names: Iterable[str]) -> dict[str, Any]:
-    """Return the arguments that were given, of the named ones."""
+    """Return those of the named arguments that were given on the command line, by name."""
     return {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
 
 
 def keywords(
     arguments: argparse.Namespace, function: Callable, usual: Numerics, *needed: str
 ) -> tuple[KnownRock, dict[str, Any]]:
-    """Return the rock, and the keywords of a function: those given, and those of the named rock.
+    """Return the rock that options state, and the values [SI] of a function's keywords, by name.
 
-    Raise one `InputError` that lists all options whose values are unusual, and all properties of
-    the rock and ``needed`` keywords that are neither given nor known from a named rock. Without a
-    stated rule of breakage the ``usual`` numerics hold.
+    Keywords are those given, those of the rock, effects, choices and numerics, and the ``needed``
+    ones, which a named rock may give. Numerics that are not given have the ``usual`` values, or
+    their defaults if the rule of breakage is given. Raise one `InputError` that lists all options
+    whose values are unusual, and all properties and needed keywords that are neither given nor
+    those of a named rock.
     """
     problems = unusual_options(arguments)
     known = ROCKS.get(arguments.rock)
@@ -353,7 +372,10 @@ def keywords(
 def measured_joint(
     arguments: argparse.Namespace, function: Callable, usual: Numerics
 ) -> dict[str, Any]:
-    """Return the keywords of a function for a measured curve; scanned walls need no JRC."""
+    """Return the values [SI] of a function's keywords for a measured curve, by name.
+
+    A JRC is needed unless walls are scanned. Raise `InputError` as `keywords`.
+    """
     needed = () if hasattr(arguments, "scans") else ("jrc",)
     _, stated = keywords(arguments, function, usual, *needed)
     if "area" in stated:

@@ -33,7 +33,7 @@ with needs("report", "a page"):
     import jinja2
 
 LIBRARY = "jointclosure.cli"
-"""Package with the style and the frame of all pages."""
+"""Package with the style and the frame of all pages, those of studies among them."""
 _MODEL = (
     "no fluid pressure acts on the walls, and no shear; a cell of the grid is an asperity, so that "
     "another spacing gives another closure"
@@ -54,7 +54,8 @@ FILES = {
     "Results of each source of uncertainty": ["range.csv"],
     "All data": ["joint.json", "joint.nc"],
 }
-"""Files that `jointclosure close` writes, by what they are; those of other programs come first."""
+"""Names of the files that `jointclosure close` writes, by descriptions; those for other programs
+come first."""
 
 _TITLES = {
     **HEADINGS,
@@ -78,12 +79,12 @@ class Picture(NamedTuple):
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height in pixels, from the first chunk of the PNG."""
+        """Width and height of the figure [pixels], from the first chunk of the PNG."""
         return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
 
     @property
     def readable(self) -> str:
-        """Style with the width at which its letters can be read, for narrow screens."""
+        """Style (CSS) with the width at which the figure's letters are readable on a phone."""
         return f"--readable: {round(0.55 * self.size[0])}px"
 
 
@@ -94,7 +95,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the page."""
+    """Write the page about a joint; it becomes a file of the joint's folder if it lies there."""
     folder = arguments.folder
     output = arguments.output or arguments.folder / "report.html"
     if not (folder / "joint.json").is_file():
@@ -113,9 +114,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def files_of(folder: Path, start: Path) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Return what the files of a joint are, with their names and their addresses from a folder.
+    """Return the description of each group of a joint's files, and (name, address) of its files.
 
-    Without a path that leads there from the page, addresses are empty.
+    Addresses are relative to the folder ``start`` of the page, and "" if no path leads from there
+    to the ``folder`` of the joint. Groups without a file are left out.
     """
     try:
         way = Path(os.path.relpath(folder.resolve(), start.resolve())).as_posix()
@@ -130,7 +132,11 @@ def files_of(folder: Path, start: Path) -> list[tuple[str, list[tuple[str, str]]
 
 
 def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> dict:
-    """Return names and values for the template, from joint.nc, answer.csv and joint.json."""
+    """Return the names and values that the template of a joint's page contains.
+
+    They are made of the contents of joint.nc (``history``), answer.csv (``curves``) and joint.json
+    (``record``).
+    """
     laws = fitted_laws(history)
     about = {column: about for law in LAWS.values() for column, about in law.parameters.items()}
     laws["parameter"] = [", ".join(filter(None, about[name])) for name in laws.parameter]
@@ -182,9 +188,9 @@ def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> di
 
 
 def size_text(shape: tuple[int, int], spacing: float) -> str:
-    """Describe the size of a joint of (ny, nx) cells [m]: "24 x 20 mm (96 x 80 cells of 0.25 mm)".
+    """Return the size of a joint as text, x before y: "24 x 20 mm (96 x 80 cells of 0.25 mm)".
 
-    Sides along x come first.
+    ``shape`` (ny, nx) are the numbers of cells, ``spacing`` [m] is that of the grid.
     """
     ny, nx = shape
     size = 1e3 * spacing
@@ -192,9 +198,10 @@ def size_text(shape: tuple[int, int], spacing: float) -> str:
 
 
 def _notes(record: dict) -> list[str]:
-    """Return what a reader of the first numbers must know: the joint, its status, and cautions.
+    """Return the sentences that stand before the first numbers of the page.
 
-    A joint is called a success only if there are no cautions.
+    They are on the joint, its status, its cautions, and the limits of the model. A joint without
+    flags is called a success only if there are no cautions.
     """
     word, _, names = record["status"].partition(": ")
     flags = [flag for flag in STATUSES.values() if flag.name in names.split(", ")]
@@ -234,7 +241,10 @@ def render(content: dict, template: str, package: str = LIBRARY) -> str:
 
 
 def provenance_rows(about: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return terms and values on the provenance of results, from the attributes of a dataset."""
+    """Return the rows (term, value) on the provenance of results.
+
+    ``about`` are the attributes of their dataset. Terms that it does not have are left out.
+    """
     settings = about["configuration" if "configuration" in about else "settings"]
     digest = hashlib.sha256(settings.encode()).hexdigest()[:16]
     named = {

@@ -45,7 +45,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the measures, and draw the wall or the profile if requested."""
+    """Print the measures of a wall or a profile; write its table and figure if requested."""
     if arguments.profile:
         return _run_profile(arguments)
     if getattr(arguments, "spacing", None) is not None:
@@ -87,7 +87,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run_profile(arguments: argparse.Namespace) -> int:
-    """Print the measures of a profile, and draw it if requested."""
+    """Print the measures of a profile; write its table and figure if requested.
+
+    Raise `InputError` for options that are for walls only.
+    """
     for option, stands in (
         ("--spacing", getattr(arguments, "spacing", None) is not None),
         ("--scan-spacing", getattr(arguments, "scan_spacing", None) is not None),
@@ -113,7 +116,7 @@ def _run_profile(arguments: argparse.Namespace) -> int:
 
 
 def _smooth(measures: Sequence[Measure]) -> list[str]:
-    """Return a caution if the Hurst exponent is above 1."""
+    """Return a list with a caution if the Hurst exponent H of a profile is above 1; else empty."""
     (hurst,) = (measure.value for measure in measures if measure.name == "H")
     if hurst <= 1.0:
         return []
@@ -126,7 +129,7 @@ def _smooth(measures: Sequence[Measure]) -> list[str]:
 
 
 def _words_on_missing(heights: np.ndarray) -> str:
-    """Return the words on missing heights behind the size of a wall, none if all are there."""
+    """Return words on the number of missing heights (NaN), to follow a size; "" without any."""
     missing = int(np.isnan(heights).sum())
     return f", {missing} of them without a height" if missing else ""
 
@@ -134,7 +137,7 @@ def _words_on_missing(heights: np.ndarray) -> str:
 def _show(
     measures: list[Measure], size: str, remarks: Sequence[str], arguments: argparse.Namespace
 ) -> None:
-    """Print measures and remarks, and write the table that the command line names."""
+    """Print measures and remarks; write them to the table that the command line names, if any."""
     print(_text(measures, str(arguments.file), size))
     print("".join(f"\n{noted(remark)}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
@@ -143,7 +146,7 @@ def _show(
 
 
 def _text(measures: list[Measure], title: str, size: str) -> str:
-    """Format measures of a wall or a profile for reading, below its size."""
+    """Return the measures of a wall or a profile as text: title, size, and a line for each."""
     lines = [title, size, "", f"{'':32s} {'value':>9s}   {'95 % interval':20s}"]
     for m in measures:
         unit = "" if m.unit == "1" else m.unit

@@ -55,7 +55,7 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate the joint; return 1 if the simulation failed."""
+    """Simulate the joint, print its results, write requested files; return 1 if it failed."""
     snapshots = arguments.snapshots
     if snapshots and not arguments.output:
         raise InputError("--snapshots: needs --output FILE.nc, which stores them")

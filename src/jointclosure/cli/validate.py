@@ -25,7 +25,10 @@ def declare(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print and write the ranges of constants that are compatible with the curve, by mechanism."""
+    """Print the ranges of constants that are compatible with the curve, by mechanism.
+
+    They are also written to a folder if requested.
+    """
     if arguments.output:
         from jointclosure.plotting.measured import region_figure
     stated = options.measured_joint(arguments, validate, NUMERICS)

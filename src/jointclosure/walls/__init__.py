@@ -6,13 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 Walls = tuple[np.ndarray, np.ndarray]
-"""Upper and lower wall (y, x), heights towards the other [m]."""
+"""Upper and lower wall of a joint: heights (y, x) [m], positive towards the other wall."""
 
 
 def shifted(walls: Walls, cells: Sequence[int]) -> Walls:
-    """Return walls with the upper one shifted by (y, x) cells towards the origin.
+    """Return the walls of a joint with the upper wall shifted by ``cells`` (y, x).
 
-    They have the cells that both walls cover.
+    A positive number shifts it towards the origin. Both walls are cut to the cells that both cover
+    after the shift, so that they have fewer cells than before.
     """
     upper, lower = walls
     for axis, count in enumerate(cells):

@@ -1,13 +1,15 @@
-"""Bearing-area curve of the summed heights of two walls."""
+"""Bearing-area curve (Abbott 1933) of the summed heights of two walls."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 
 def bearing_depths(summed: np.ndarray, shares: ArrayLike) -> np.ndarray:
-    """Return the depths [m] below the highest of summed heights (y, x) [m] that hold given shares.
+    """Return the depth [m] on the bearing-area curve at each of the given shares of the cells.
 
-    A share of the cells lies above each depth: the bearing-area curve of Abbott (1933).
+    The depth is measured below the highest of the ``summed`` heights (y, x) [m]; the share of the
+    cells lies above it. It is interpolated between heights. For the share of one cell or less it
+    is 0.
     """
     flat = np.ravel(summed)
     ranks = np.maximum(np.asarray(shares, dtype=float) * flat.size - 1.0, 0.0)

@@ -1,4 +1,4 @@
-"""Scans, and their gridding: heights on the square grid of a joint. See docs/two_scans.md."""
+"""Scans of walls, and their interpolation on the square grid of a joint. See docs/two_scans.md."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,15 +11,19 @@ from jointclosure.walls.missing_heights import between_known, fill_with_nearest
 from jointclosure.walls.planes import plane_through
 from jointclosure.walls.point_interpolation import interpolate_heights
 
-FLAT = "flat"  # in place of a scan: a flat wall, such as a saw cut
-LARGEST_TILT = 20.0  # of a scan's mean plane [degrees] for which heights represent a wall
-REACH = 2.0  # mean point distances within which a cell needs a point to have a height
-MOST_CELLS_PER_POINT = 100  # of a grid; beyond, nearly all cells are far from points
+FLAT = "flat"  # stands in place of a scan for a flat wall, such as a saw cut
+LARGEST_TILT = 20.0  # largest inclination [degrees] of a scan's mean plane; heights are along z
+REACH = 2.0  # largest distance of a cell with a height from the nearest point, in point distances
+MOST_CELLS_PER_POINT = 100  # of a grid; with more, nearly all cells are far from points
 PAPER_SPACING = 0.25e-3  # of the paper's walls [m], at which relations of JRC are stated
 
 
 class Scan(NamedTuple):
-    """Heights (y, x) [m], NaN where missing, spacing (dy, dx) and place (y, x) of the first [m]."""
+    """Scanned wall on a grid: ``heights`` (y, x) [m], NaN where missing.
+
+    ``spacing`` (dy, dx) [m] is that of the grid, ``origin`` (y, x) [m] is the place of the first
+    cell, None if it is not known, and ``remarks`` are sentences on what was found in the scan.
+    """
 
     heights: np.ndarray
     spacing: tuple[float, float]
@@ -37,7 +41,7 @@ class Scan(NamedTuple):
 
 
 class Cloud(NamedTuple):
-    """Points (n, 3) [m]: x, y and height, in any order; ``remarks`` as for `Scan`."""
+    """Scanned wall as ``points`` (n, 3) [m]: x, y and height, in any order; remarks as `Scan`."""
 
     points: np.ndarray
     remarks: tuple[str, ...] = ()
@@ -53,7 +57,8 @@ class Cloud(NamedTuple):
 def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
     """Return the points (n, 3) [m] of a scan, row by row: x, y and height.
 
-    With ``missing``, cells of a grid between known ones are points too, with a height of NaN.
+    With ``missing``, a grid also gives points with a height of NaN: the cells without a height in
+    the smallest rectangle of rows and columns that contains all known heights.
     """
     if isinstance(scan, Cloud):
         return scan.points
@@ -81,9 +86,11 @@ def without_points(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
 
 
 def point_distance(scan: Scan | Cloud) -> float:
-    """Return the distance of neighbouring points [m]: the larger one of a grid, a cloud's mean.
+    """Return the distance [m] of neighbouring points of a scan.
 
-    Raise `InputError` if the points of a cloud lie on one line.
+    For a grid it is the larger of both spacings, for a cloud the square root of the area of its
+    convex hull in the plan per point. Raise `InputError` if the points of a cloud lie on one line
+    or are too few.
     """
     if isinstance(scan, Scan):
         return max(scan.spacing)
@@ -104,9 +111,11 @@ def usual_grid_spacing(distance: float) -> float:
 
 
 def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
-    """Return the mean plane of a scan, inclined as it is, as a scan with the same places.
+    """Return a scan with the same places whose heights are those of the scan's mean plane.
 
-    Heights are multiplied by ``sign``, which is 1 or -1. Missing heights stay missing.
+    The plane keeps its inclination. Heights are multiplied by ``sign``, which is 1 or -1. Missing
+    heights stay missing. Raise `InputError` for fewer than four heights, or a plane steeper than
+    `LARGEST_TILT`.
     """
     if isinstance(scan, Scan):
         return Scan(sign * (scan.heights - _heights_less_plane(scan)), scan.spacing, scan.origin)
@@ -115,11 +124,12 @@ def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
 
 
 def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = None) -> np.ndarray:
-    """Return heights (y, x) [m] of a scan less its plane on a grid, NaN where unknown.
+    """Return heights (y, x) [m] of a scan on a square grid of a ``spacing`` [m], less its plane.
 
-    ``box`` (2, 2) are the lowest and highest place (x, y) [m] of the grid of a cloud, by default
-    those of its points. Raise `InputError` if the grid is finer than the scan, has too many cells
-    for the points, or the scan is too small or too inclined.
+    Heights are NaN where the scan has none. ``box`` (2, 2) has the lowest and the highest place
+    (x, y) [m] of the grid for a cloud, by default those of its points; a scanned grid ignores it.
+    Raise `InputError` if the grid is finer than the scan or has too many cells for its points, or
+    if the scan has fewer than four heights or is steeper than `LARGEST_TILT`.
     """
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
@@ -141,7 +151,7 @@ def wall_on_grid(scan: Scan | Cloud, spacing: float, box: np.ndarray | None = No
 
 
 def node_counts(low: np.ndarray, high: np.ndarray, spacing: float) -> tuple[int, int]:
-    """Return the numbers (y, x) of nodes of a grid from one place (x, y) up to another [m]."""
+    """Return the numbers (y, x) of nodes of a square grid from ``low`` to ``high`` (x, y) [m]."""
     nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
     return ny, nx
 
@@ -154,9 +164,11 @@ def grid_nodes(low: np.ndarray, shape: tuple[int, int], spacing: float) -> np.nd
 
 
 def sample_grid(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
-    """Return the heights of a grid at the nodes of a coarser one, one of them at ``anchor`` (y, x).
+    """Return a scanned grid sampled at the nodes of a coarser square grid of a ``spacing`` [m].
 
-    Single heights keep the slopes of the wall, which means over cells would make smaller.
+    One of the nodes, or one of their continuation beyond the scan, is the ``anchor`` (y, x) [m].
+    Heights are taken at nodes and not averaged over cells, since averages would have smaller slopes
+    than the wall. Raise `InputError` if the scan is too small to be interpolated.
     """
     origin = np.array(scan.origin or (0.0, 0.0))
     steps = np.array(scan.spacing)
@@ -168,9 +180,9 @@ def sample_grid(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan
 
 
 def _heights_less_plane(scan: Scan | Cloud) -> np.ndarray:
-    """Return heights of a scan [m] less their least-squares plane; NaN remain.
+    """Return heights [m] of a scan, (y, x) or (n,), less their least-squares plane; NaN remain.
 
-    Raise `InputError` if fewer than four are known, or the plane is steeper than `LARGEST_TILT`.
+    Raise `InputError` for fewer than four known heights, or a plane steeper than `LARGEST_TILT`.
     """
     if isinstance(scan, Cloud):
         x, y, heights = scan.points.T
@@ -189,9 +201,11 @@ def _heights_less_plane(scan: Scan | Cloud) -> np.ndarray:
 
 
 def _resampled(scan: Scan, spacing: float, start: Sequence[float]) -> np.ndarray:
-    """Return the heights of a grid at another spacing [m], by cubic splines unless nodes coincide.
+    """Return the heights (y, x) [m] of a scanned grid at another, square ``spacing`` [m].
 
-    The first node is at ``start`` (y, x), counted in points of the scan.
+    The first node is at ``start`` (y, x), counted in cells of the scan. If all nodes are cells of
+    the scan, their heights are copied. Otherwise heights are interpolated by cubic splines, and are
+    NaN beside missing ones. Raise `InputError` if a side has fewer than four cells to interpolate.
     """
     heights = scan.heights
     ratios = [spacing / scanned for scanned in scan.spacing]

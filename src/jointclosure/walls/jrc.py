@@ -1,4 +1,4 @@
-"""JRC and RMS slope (Z2) of walls, and published relations between them."""
+"""Joint roughness coefficient (JRC) and RMS slope (Z2) of walls, and their published relations."""
 
 from typing import Any, NamedTuple
 
@@ -8,7 +8,11 @@ from jointclosure.inputs import InputError, check_one_of
 
 
 class Relation(NamedTuple):
-    """JRC(Z2) at an ``interval`` [m]: a Z2 + b, a log10 Z2 + b or a Z2^c + b by its ``form``."""
+    """Published relation of JRC and RMS slope Z2, which is measured at an ``interval`` [m].
+
+    By its ``form`` JRC is a Z2 + b (linear), a log10 Z2 + b (logarithmic) or a Z2^c + b (power). It
+    holds from ``smallest_jrc`` to ``largest_jrc``.
+    """
 
     form: str
     a: float
@@ -19,7 +23,7 @@ class Relation(NamedTuple):
     largest_jrc: float = 20.0
 
     def jrc(self, z2: float | np.ndarray) -> Any:
-        """Return the JRC for RMS slopes at the relation's interval, even outside of its range."""
+        """Return the JRC for RMS slopes at the relation's interval, also beyond its range."""
         reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
         return self.a * reduced + self.b
 
@@ -40,8 +44,9 @@ DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"  # at the spacing of the paper's 
 
 
 def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
-    """Return the RMS slope of a wall of a JRC at a spacing h [m], Z2(h) = Z2(h0) (h/h0)^(H-1).
+    """Return the RMS slope Z2, at a ``spacing`` [m], of a wall with a JRC and a Hurst exponent.
 
+    The relation gives Z2 at its interval h0. At the spacing h it is Z2(h) = Z2(h0) (h/h0)^(H - 1).
     Raise `InputError` if the relation is unknown or does not hold for this JRC.
     """
     rule = relation_of(relation)
@@ -54,7 +59,7 @@ def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_
 
 
 def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
-    """Return the JRC of a wall whose RMS slope at a spacing [m] is Z2, by `z2_of_jrc` reversed.
+    """Return the JRC of a wall with an RMS slope ``z2`` at a ``spacing`` [m]: inverse `z2_of_jrc`.
 
     It may be outside the range of the relation. Raise `InputError` if the relation is unknown.
     """
@@ -63,7 +68,7 @@ def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_R
 
 
 def relation_of(name: str) -> Relation:
-    """Return a relation by its key; `InputError` lists the available keys."""
+    """Return a relation of JRC and Z2 by its key; raise `InputError` for an unknown key."""
     check_one_of("jrc_relation", name, tuple(RELATIONS))
     return RELATIONS[name]
 

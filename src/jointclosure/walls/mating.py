@@ -1,6 +1,8 @@
-"""Fit of two walls by shift and by wavelength, and the wavelength at which they correlate by 1/2.
+"""Mating of two walls: their correlation by wavelength and by shift, and the mismatch wavelength.
 
-Brown (1995) uses one sharp length, Glover et al. (1998) a gradual decrease.
+The mismatch wavelength is that at which walls correlate by 1/2: longer waves mate, shorter ones do
+not. In the model of Brown (1995) the correlation changes abruptly there, in that of Glover et al.
+(1998) gradually.
 """
 
 import itertools
@@ -20,27 +22,29 @@ _RESOLUTION = 0.75
 """Error of a mismatch wavelength by the finite length of walls, in wave numbers of this length;
 chosen: with it 99 % of the intervals of 24 pairs contained the true value."""
 _STEEPNESS = np.geomspace(1.0, 64.0, 25)
-"""Values that are tried of the steepness with which correlation falls over log wavelength."""
+"""Values tried for the steepness with which the correlation falls with the logarithm of wave
+number."""
 _FLOORS = np.array([3e-4, 1e-3, 4e-3, 1.6e-2, 6e-2, 0.2])
-"""Values that are tried of the share of a wall's power that never correlates (noise, leakage)."""
-_TRIED = 600  # wavelengths at which the likelihood is computed
+"""Values tried for the share of a wall's power that never correlates (noise, leakage)."""
+_TRIED = 600  # number of mismatch wavelengths at which the likelihood is computed
 
 
 class Mating(NamedTuple):
-    """Correlation of two walls by wavelength, in bands of half an octave.
+    """Correlation of two walls by wavelength, in bands of half an octave; arrays (bands,).
 
     The standard error of a correlation c is (1 - c^2) / sqrt(modes).
     """
 
-    wavelengths: np.ndarray  # middles of the bands [m]
-    correlation: np.ndarray  # 1 where the walls are mated
-    modes: np.ndarray  # independent waves of each band
+    wavelengths: np.ndarray  # middles of the bands [m], the longest first
+    correlation: np.ndarray  # of the walls in each band; 1 where they are mated
+    modes: np.ndarray  # number of independent waves in each band
 
 
 class Mismatch(NamedTuple):
-    """Wavelength [m] at which walls correlate by 1/2, with the limits of its confidence interval.
+    """Mismatch wavelength [m] of two walls, at which they correlate by 1/2, and its limits.
 
-    It is 0 if the walls are always mated, infinite if never.
+    ``low`` and ``high`` limit its 95 % interval. It is 0 if the walls are mated at all wavelengths
+    of the grid, and infinite if they are mated at none.
     """
 
     wavelength: float
@@ -49,10 +53,12 @@ class Mismatch(NamedTuple):
 
 
 def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
-    """Return the correlation of walls (y, x) [m] by wavelength, 1 if they are mated.
+    """Return the correlation of walls (y, x) [m] by wavelength; it is 1 where they are mated.
 
-    Heights are towards the other wall. With the Fourier coefficients U and L of both walls in a
-    Hann window it is -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band.
+    Heights count towards the other wall. With the Fourier coefficients U and L of both walls, each
+    less its plane and in a Hann window, the correlation of a band is -Re(sum U L*) / sqrt(sum |U|^2
+    sum |L|^2), summed over the waves of the band. Bands of fewer than four independent waves are
+    left out.
     """
     one = _windowed_waves(upper)
     other = _windowed_waves(lower)
@@ -76,7 +82,7 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
 
 
 def _windowed_waves(wall: np.ndarray) -> Any:
-    """Compute the Fourier transform (y, x) of a wall less its plane, with a Hann window."""
+    """Return the Fourier coefficients (y, x) of a wall (y, x) less its plane, in a Hann window."""
     ny, nx = wall.shape
     window = np.outer(np.hanning(ny + 2)[1:-1], np.hanning(nx + 2)[1:-1])
     return scipy.fft.fft2(window * detrended(wall))
@@ -89,12 +95,13 @@ def _wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
 
 
 def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mismatch:
-    """Estimate the mismatch wavelength of walls (y, x) [m] in the position of best fit.
+    """Estimate the mismatch wavelength of walls (y, x) [m], which are in the position of best fit.
 
-    If waves of both walls have equal power and correlation c, the powers of sum and difference over
-    a ring of n wave numbers have a ratio of (1 - c)/(1 + c) times a variable distributed as F(2n,
-    2n). The likelihood is profiled over the wavelength w at which c is a half: c = (1 - 2 e) Phi(s
-    log(W/w) + q), with steepness s and floor e (noise, leakage of the window) free.
+    Let waves of both walls have equal power and the correlation c. The power of the walls' sum over
+    that of their difference, in a ring of n waves of about one wave number, is then (1 - c)/(1 + c)
+    times a variable with the F(2n, 2n) distribution. At the wavelength W the correlation is c = (1
+    - 2 e) Phi(s log(W/w) + q), with q such that c is 1/2 at the mismatch wavelength w. The
+    likelihood of each w is that at the best steepness s and floor e (noise, leakage of the window).
     """
     length = min(upper.shape) * spacing
     shortest = 2.0 * spacing
@@ -136,7 +143,11 @@ def _power_ratios(
 def _profile_likelihood(
     waves: np.ndarray, ratio: np.ndarray, n: np.ndarray, tried: np.ndarray
 ) -> np.ndarray:
-    """Return the log likelihood of each wavelength tried [m] at the best steepness and floor."""
+    """Return the log likelihoods (tried,) of mismatch wavelengths ``tried`` [m].
+
+    Each is the largest over steepness and floor. ``waves`` (rings,) [1/m], ``ratio`` and ``n`` are
+    those of `_power_ratios`.
+    """
     octaves = -np.log(tried[:, None] * waves[None, :])
     best = np.full(tried.size, -np.inf)
     for steepness, floor in itertools.product(_STEEPNESS, _FLOORS):
@@ -152,19 +163,20 @@ def _profile_likelihood(
 def slope_correlations(
     fixed: np.ndarray, shape: tuple[int, int], least_overlap: float
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function that correlates the slopes of a field (y, x) with those of a fixed one.
+    """Return a function that correlates the slopes of a moved field with those of the fixed field.
 
-    It takes a field of the given ``shape`` and returns the correlation (y, x) at each shift of it
-    in cells; index 0 is no shift, and negative shifts are at the end. Means are not subtracted. The
-    correlation is NaN where fewer known slopes meet than the share ``least_overlap`` of those of
-    the field that has fewer. All shifts are computed at once by Fourier transforms; slopes along x
-    and y are the parts of complex numbers. Single precision suffices, as the best shift is only the
-    start of a finer fit.
+    Fields are heights (y, x), NaN where missing. The function takes a field of the given ``shape``,
+    and returns the correlation (y, x) of slopes at each shift of this field in cells: index 0 is no
+    shift, and negative shifts are at the end. Means are not subtracted. The correlation is NaN at
+    shifts where the known slopes of both fields that meet are fewer than ``least_overlap`` times
+    the known slopes of the field that has fewer. All shifts are computed at once by Fourier
+    transforms; slopes along x and y are the parts of complex numbers. Single precision suffices, as
+    the best shift is only the start of a finer fit.
     """
     size = [scipy.fft.next_fast_len(n - 2, True) for n in np.add(fixed.shape, shape).tolist()]
 
     def waves(field: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-        """Transform slopes, their squares, and which are known."""
+        """Return the transforms of slopes, of their squares and of their mask, and their number."""
         slopes = np.diff(field, axis=1)[:-1] + 1j * np.diff(field, axis=0)[:, :-1]
         known = np.isfinite(slopes)
         slopes = np.where(known, slopes, 0.0).astype(np.complex64)

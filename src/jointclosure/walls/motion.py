@@ -10,45 +10,45 @@ import scipy
 from jointclosure.walls.gridding import Scan
 from jointclosure.walls.missing_heights import fill_dropouts, fill_with_nearest, in_holes
 
-_INVERSIONS = 8  # rounds in which the height at a node of a tilted wall is found
+_INVERSIONS = 8  # rounds of iteration in which the height of a tilted wall at a node is found
 
 
 class Motion(NamedTuple):
-    """Rigid motion of a wall: rotation about a middle that comes to lie at a place."""
+    """Rigid motion of a scanned wall: rotation about its middle, which is moved to a place."""
 
-    flip: np.ndarray  # reflection (3, 3) of an orientation, which is a part of ``rotation``
-    rotation: np.ndarray  # (3, 3), a reflection too where the flip is one
-    middle: np.ndarray  # (x, y, z) [m]
-    place: np.ndarray  # (x, y, z) [m]
-    covariance: np.ndarray  # (3, 3) of the rotation about the normal [rad] and the shift (x, y) [m]
+    flip: np.ndarray  # matrix (3, 3) of an orientation's changes of sign; contained in ``rotation``
+    rotation: np.ndarray  # matrix (3, 3), which also mirrors if the flip does
+    middle: np.ndarray  # (x, y, z) [m], before the motion
+    place: np.ndarray  # (x, y, z) [m] of the middle after the motion
+    covariance: np.ndarray  # (3, 3) of (rotation about the normal [rad], shift along x, y [m])
 
     def moved(self, points: np.ndarray) -> np.ndarray:
-        """Return points (..., 3) [m] after the motion."""
+        """Return where points (..., 3) [m] of the wall lie after the motion."""
         return rotated(self.rotation, points - self.middle) + self.place
 
     def moved_back(self, points: np.ndarray) -> np.ndarray:
-        """Return points (..., 3) [m] before the motion."""
+        """Return where points (..., 3) [m] of the moved wall lay before the motion."""
         return rotated(self.rotation.T, points - self.place) + self.middle
 
     def after(self, first: "Motion") -> "Motion":
-        """Return the motion that is ``first`` and then this one, with the errors of this one."""
+        """Return the motion that combines ``first`` and then this motion, whose errors it has."""
         flip = self.flip @ first.flip
         rotation = self.rotation @ first.rotation
         return Motion(flip, rotation, first.moved_back(self.middle), self.place, self.covariance)
 
     @property
     def angle(self) -> float:
-        """Rotation in the plane [degrees], anticlockwise, from -180 to 180."""
+        """Rotation of the wall in its plane [degrees], anticlockwise, from -180 to 180."""
         turn = self.rotation @ self.flip
         return math.degrees(math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))
 
     @property
     def tilt(self) -> float:
-        """Inclination by which the wall was tilted [degrees]."""
+        """Angle [degrees] by which the motion tilts the normal of the wall; from 0 to 90."""
         return math.degrees(math.acos(min(abs(self.rotation[2, 2]), 1.0)))
 
     def corner_distance(self, other: "Motion", reach: np.ndarray) -> float:
-        """Return the largest distance [m] in the plan of the same corner after two motions.
+        """Return how far apart [m], in the plan, two motions place a corner of the wall at most.
 
         ``reach`` (x, y) [m] is half of the sides of the wall.
         """
@@ -58,23 +58,29 @@ class Motion(NamedTuple):
         return float(np.hypot(between[:, 0], between[:, 1]).max())
 
     def difference_to(self, other: "Motion") -> np.ndarray:
-        """Return the rotation [rad] and the shift of the middle (x, y) [m] to another motion."""
+        """Return the difference (3,) of the ``other`` motion from this motion.
+
+        It has a rotation [rad] about z, and the shift (x, y) [m] of the other motion's middle.
+        """
         turn = other.rotation @ self.rotation.T
         shift = other.place - self.moved(other.middle)
         return np.array([0.5 * (turn[1, 0] - turn[0, 1]), shift[0], shift[1]])
 
     def corner_error(self, reach: np.ndarray) -> float:
-        """Return the standard error [m] in the plan of a corner, at half of the sides ``reach``."""
+        """Return the standard error [m], in the plan, of the place of a corner of the wall.
+
+        ``reach`` (x, y) [m] is half of the sides of the wall.
+        """
         angle, x, y = np.diag(self.covariance)
         return math.sqrt(angle * float(reach @ reach) + x + y)
 
     def standard_errors(self) -> tuple[float, float, float]:
-        """Return the standard errors of angle [degrees] and shift (x, y) [m]."""
+        """Return the standard errors of rotation [degrees] and shift along x and y [m]."""
         angle, x, y = np.sqrt(np.diag(self.covariance)).tolist()
         return math.degrees(angle), x, y
 
     def record(self) -> dict[str, float | list[float]]:
-        """Return angle and shift with their standard errors, for JSON."""
+        """Return rotation, tilt and shift of the motion, with standard errors, for JSON."""
         angle, *errors = self.standard_errors()
         return {
             "rotation_degrees": self.angle,
@@ -101,16 +107,21 @@ NO_MOTION = Motion(np.eye(3), np.eye(3), np.zeros(3), np.zeros(3), np.zeros((3, 
 
 
 def flip_about_middle(points: np.ndarray, flip: np.ndarray) -> Motion:
-    """Return the motion that only flips points (n, 3) [m] by an orientation, about their middle."""
+    """Return the motion that only applies the matrix ``flip`` (3, 3) of an orientation to points.
+
+    Points (n, 3) [m] are flipped about the middle of their bounding rectangle (x, y), at z = 0. The
+    motion has no error.
+    """
     middle = np.append(0.5 * (points[:, :2].min(axis=0) + points[:, :2].max(axis=0)), 0.0)
     return Motion(flip, flip, middle, middle, np.zeros((3, 3)))
 
 
 def laid_on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> Motion:
-    """Return a motion displaced so that nodes of the moved grid lie on those of another grid.
+    """Return a motion of a scanned grid, displaced so that the moved grid meets a node at ``low``.
 
-    The other grid has a node at ``low`` (x, y) [m]. The motion is returned as it is if the grids
-    are turned against each other, or a corner would move by more than ``most`` [m].
+    One of the nodes of the moved grid then lies at ``low`` (x, y) [m], a node of another grid; the
+    rotation is rounded to whole quarter turns. The motion is returned as it is if it is no such
+    turn even roughly, or if a corner would be displaced by more than ``most`` [m].
     """
     whole = np.rint(motion.rotation)
     if (np.abs(whole[:2]).sum(axis=1) != 1.0).any() or abs(whole[2, 2]) != 1.0:
@@ -128,10 +139,11 @@ def laid_on_nodes(motion: Motion, scan: Scan, low: np.ndarray, most: float) -> M
 def moved_heights(
     scan: Scan, motion: Motion, slopes: tuple[float, float] = (0.0, 0.0)
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function of nodes (..., 2) [m]: heights of a moved grid by cubic splines, or NaN.
+    """Return a function that interpolates the heights of a moved scanned grid by cubic splines.
 
-    ``slopes`` along x and y are those of the scan's mean plane, with which heights of steep scans
-    are found.
+    It takes nodes (..., 2) (x, y) [m] and returns heights (...) [m], NaN where the scan has none:
+    outside, in holes, and beside missing heights that are no dropouts. ``slopes`` along x and y are
+    those of the scan's mean plane; with them the search for heights of steep scans converges.
     """
     holes = in_holes(np.isfinite(scan.heights))
     whole = fill_dropouts(scan.heights, holes)
@@ -143,7 +155,7 @@ def moved_heights(
     rise = back[2] - slopes[0] * back[0] - slopes[1] * back[1]
 
     def heights_at(nodes: np.ndarray) -> np.ndarray:
-        """Find heights (...) [m] at nodes (..., 2): Newton's method with the slope of the plane."""
+        """Return heights (...) [m] at nodes (..., 2) [m], by Newton's method with fixed slopes."""
         points = np.concatenate([nodes, np.full((*nodes.shape[:-1], 1), motion.place[2])], axis=-1)
         for _ in range(_INVERSIONS):
             before = motion.moved_back(points)
@@ -158,26 +170,32 @@ def moved_heights(
 
 
 def spline_values(spline: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the values of a cubic spline of coefficients ``spline`` at places (2, ...) [cells].
+    """Return the values (...) of a cubic spline at places (2, ...) [cells], y before x.
 
-    The places are y, then x; the coefficients are those of `scipy.ndimage.spline_filter`.
+    ``spline`` (y, x) has its coefficients, which `scipy.ndimage.spline_filter` returns.
     """
     return scipy.ndimage.map_coordinates(spline, places, prefilter=False, mode="mirror")
 
 
 def rotated(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return points (..., 3) multiplied by a matrix, with the same bits on any processor."""
+    """Return points (..., 3) multiplied by the matrix ``rotation`` (3, 3).
+
+    It is computed by sums, which have the same bits on any processor.
+    """
     x, y, z = np.moveaxis(points, -1, 0)
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=-1)
 
 
 def rotation_matrix(*vector: float) -> np.ndarray:
-    """Return the matrix (3, 3) of a rotation vector [rad]."""
+    """Return the matrix (3, 3) of the rotation about a vector, by its length [rad]."""
     return scipy.spatial.transform.Rotation.from_rotvec(vector).as_matrix()
 
 
 def levelling_rotation(slopes: tuple[float, float]) -> np.ndarray:
-    """Return the smallest rotation that makes a plane of given slopes horizontal."""
+    """Return the matrix (3, 3) of the smallest rotation that makes a plane horizontal.
+
+    ``slopes`` are those of the plane along x and y.
+    """
     length = math.hypot(*slopes)
     angle = math.atan(length) / length if length > 0.0 else 0.0
     return rotation_matrix(angle * -slopes[1], angle * slopes[0], 0.0)

@@ -1,7 +1,8 @@
-"""Least squares of the motion of the upper wall, from a rotation and a shift.
+"""Fit of the motion that lays the upper wall on the lower one, by least squares of heights.
 
-Walls are smoothed less and less. The smoothing with the smallest standard errors is used, because
-it leaves out waves that do not mate.
+It begins with a rotation and a shift found by correlation. Walls are smoothed, less and less, and
+the fit of the smoothing with the smallest standard errors is used, because this smoothing leaves
+out the waves that do not mate.
 """
 
 import math
@@ -24,34 +25,38 @@ from jointclosure.walls.surfaces import Surface, gaussian_sums
 # All constants were chosen. With them the errors of 40 pairs of known truth are those that
 # docs/two_scans.md states (`python -m benchmarks.registration`).
 FARTHEST = 0.25
-"""Largest distance of the corners from the fit on blocks, over half of the longer side, at which a
-refined fit is believed."""
-SIDE_OVER_WIDEST = 12.0  # shorter side over the width of the first means
+"""Largest distance of the corners of the wall from where the fit by correlation places them, over
+half of the longer side, at which a refined fit is believed."""
+SIDE_OVER_WIDEST = 12.0  # shorter side of the walls over the largest width of smoothing
 LEAST_WIDTHS = 20.0
-"""Shorter side of a wall, in widths of the means, from which errors of a fit are believed. On a
+"""Shorter side of a wall, in widths of the smoothing, from which errors of a fit are believed. On a
 shorter side the tiles that give the errors are not independent, and errors are too small."""
 LONG_WAVE_WIDTH = 4.0  # width of the means that hold the long waves, over that of the smoothing
 LONG_WAVES_WORTH = 0.7
-"""Ratio of the errors of fits with and without weights for long waves, below which the first is
-used."""
-MOST_POINTS = 20_000  # of the upper wall that least squares compare
-LEAST_POINTS = 50  # within the overlap, below which no fit is made
-ROUNDS = 40  # most rounds of least squares
-CONVERGED = 1e-7  # change of a place [cells] below which they end
+"""A fit with a separate term for long waves replaces one without if its error is below this many
+times the error of the other."""
+MOST_POINTS = 20_000  # largest number of points of the upper wall that are compared (about)
+LEAST_POINTS = 50  # fewest points in the overlap with which a fit is made
+ROUNDS = 40  # largest number of rounds of least squares
+CONVERGED = 1e-7  # change of a place [cells] below which the rounds end
 CAUCHY_SCALE = 3.5  # scale of the Cauchy weights, in medians of the absolute residual
-ERROR_TILES = 6  # tiles along each axis, whose sums give the errors
-LEAST_ERROR = 0.01  # [cells] left by interpolation, in each direction and at the radius of gyration
+ERROR_TILES = 6  # tiles along each axis, whose sums of gradients give the errors
+LEAST_ERROR = 0.01
+"""Error [cells] that interpolation leaves in each direction of the shift, and in the rotation at
+the radius of gyration."""
 _DIGITS = 9
 """Decimals of a rotation; a shift [m] has two more: rounded results are the same on any
 processor."""
 
 
 def refined_motion(upper: Surface, lower: Surface, flip: np.ndarray, fit: SlopeFit) -> Motion:
-    """Refine a fit by least squares of heights; the covariance is infinite if they find nothing.
+    """Return the motion of the upper wall, refined by least squares of heights.
 
-    Walls are compared by means over fewer and fewer cells, as a fit to short waves finds the right
-    place only from nearby. The fit with the smallest standard errors is returned, as it leaves out
-    waves that do not mate.
+    ``fit`` is the rotation and shift found by correlation, ``flip`` (3, 3) the matrix of its
+    orientation. Walls are compared by Gaussian means over fewer and fewer cells, as a fit to short
+    waves finds the right place only from nearby. The fit with the smallest standard errors is
+    returned. If no fit is made or believed, the motion is that of ``fit``, with an infinite
+    covariance.
     """
     turn = rotation_matrix(0.0, 0.0, math.radians(fit.angle)) @ flip
     rotation = levelling_rotation(lower.slopes).T @ turn @ levelling_rotation(upper.slopes)
@@ -76,7 +81,7 @@ def refined_motion(upper: Surface, lower: Surface, flip: np.ndarray, fit: SlopeF
 
 
 class _SmoothedWall(NamedTuple):
-    """Smoothed heights and slopes of the lower wall, which are interpolated between its cells."""
+    """Smoothed heights and slopes of the lower wall, prepared for interpolation between cells."""
 
     spline: np.ndarray  # coefficients (y, x) of the cubic spline through its heights
     slopes: Sequence[np.ndarray]  # along y and along x (y, x)
@@ -85,15 +90,15 @@ class _SmoothedWall(NamedTuple):
     spacing: float  # [m]
 
     def cells_at(self, points: np.ndarray) -> np.ndarray:
-        """Return places (2, n) in cells (y, x) of points (n, 3) [m]."""
+        """Return the places (2, n), y before x, of points (n, 3) [m] in cells of the grid."""
         return ((points[:, :2] - self.low) / self.spacing).T[::-1]
 
     def knows(self, cells: np.ndarray) -> np.ndarray:
-        """Return whether all heights around places (2, n) are known."""
+        """Return for places (2, n) [cells] whether all heights around them are known."""
         return scipy.ndimage.map_coordinates(self.known, cells, order=1) > 0.999
 
     def normals_at(self, cells: np.ndarray) -> np.ndarray:
-        """Return vectors (n, 3) normal to the wall at places (2, n), with a z component of 1."""
+        """Return normals (n, 3) of the wall at places (2, n) [cells], with a z component of 1."""
         along_y, along_x = (
             scipy.ndimage.map_coordinates(slope, cells, order=1) for slope in self.slopes
         )
@@ -101,7 +106,10 @@ class _SmoothedWall(NamedTuple):
 
 
 def _smoothed_wall(wall: Surface, heights: np.ndarray) -> _SmoothedWall:
-    """Prepare smoothed heights (y, x) [m] for interpolation; missing ones are their mean."""
+    """Return smoothed heights (y, x) [m] of a wall, prepared for interpolation between cells.
+
+    Missing heights are replaced by the mean; `_SmoothedWall.knows` tells where.
+    """
     known = np.isfinite(heights)
     bare = np.where(known, heights, np.nanmean(heights))
     slopes = tuple(np.gradient(bare, wall.spacing))
@@ -112,23 +120,24 @@ def _smoothed_wall(wall: Surface, heights: np.ndarray) -> _SmoothedWall:
 def _least_squares_fit(
     upper: Surface, lower: Surface, start: Motion, smoothing: float, long_waves: bool
 ) -> tuple[Motion, float] | None:
-    """Move the smoothed upper wall to where its heights differ least from those of the lower one.
+    """Find the motion by which the smoothed upper wall differs least from the smoothed lower wall.
 
-    Gauss-Newton iteration for a small rotation (times the radius of gyration [m]) and a shift [m]
-    from ``start``. It differs from the textbook's in three ways. Residuals have the weights of a
-    Cauchy distribution, renewed in each round (iteratively reweighted least squares), so that parts
-    that do not mate count less. The first round sets the median residual to 0 by a shift along z. A
-    step is at most twice the width of the smoothing, as slopes are those of the place no farther
-    away. With ``long_waves`` the long waves have a term of their own (`_normal_equations`).
+    Unknowns are a small rotation (times the radius of gyration [m]) and a shift [m], added to the
+    motion ``start``. They are found by Gauss-Newton iteration, with three changes. Residuals have
+    the weights of a Cauchy distribution, renewed in each round (iteratively reweighted least
+    squares), so that parts that do not mate count less. The first round sets the median residual to
+    0 by a shift along z. A step is at most twice the width of the smoothing, as slopes of the wall
+    are about constant only so far. ``smoothing`` is the width of the means [cells]. With
+    ``long_waves`` the long waves have a term of their own (`_normal_equations`).
 
     Returns
     -------
     motion : Motion
-        With the covariance of its rotation and shift in the plane.
+        The fitted motion, with the covariance of its rotation and shift in the plane.
     error : float
         Standard error [m] of a place at the radius of gyration.
 
-    None is returned if too little of the walls overlaps.
+    None is returned in place of both if too little of the walls overlaps.
     """
     fine = upper.smoothed(smoothing)
     heights = lower.smoothed(smoothing)
@@ -182,14 +191,14 @@ def _least_squares_fit(
 def _normal_equations(
     columns: np.ndarray, used: np.ndarray, width: float | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the gradient (n, 6) of each point, and the inverse (6, 6) of the normal equations.
+    """Return the gradients (n, 6) of the points, and the inverse (6, 6) of the normal equations.
 
     ``columns`` (n, 7) are the derivatives of the residual with respect to rotation and shift, and
-    the residual [m], at the ``used`` nodes of a grid (y, x). Residuals are divided by
-    `CAUCHY_SCALE` times their median size and have the weights 1 / (1 + r^2). With a ``width``
-    [nodes] they are split into Gaussian means over this width and the rest. Only the rest has these
-    weights; the means are divided by `LONG_WAVE_WIDTH` times their own median size, so that long
-    waves count however small their residuals are beside those of short ones.
+    the residual [m], at the ``used`` nodes of a grid (y, x). A residual over `CAUCHY_SCALE` times
+    the median size of residuals is r, and has the weight 1 / (1 + r^2). With a ``width`` [nodes]
+    residuals are split into Gaussian means over this width, and the rest. Only the rest is weighted
+    in this way. The means are divided by `LONG_WAVE_WIDTH` times their own median size, so that
+    long waves count even if their residuals are small beside those of short waves.
     """
     low = np.zeros_like(columns)
     if width is not None:
@@ -209,7 +218,9 @@ def _motion_covariance(
 ) -> np.ndarray:
     """Return the covariance (3, 3) of the rotation about z [rad] and the shift (x, y) [m] of a fit.
 
-    ``radius`` [m] is that of gyration. Errors of interpolation (`LEAST_ERROR`) are added.
+    ``gradients`` (n, 6) and ``inverse`` (6, 6) are those of `_normal_equations`, ``places`` (2, n)
+    those of the points, ``radius`` [m] is that of gyration, and ``spacing`` [m] that of the lower
+    wall. Errors of interpolation (`LEAST_ERROR`) are added.
     """
     covariance = _tiled_covariance(gradients, inverse, places)
     scaled = np.diag([1.0 / radius] * 3 + [1.0] * 3)
@@ -219,7 +230,10 @@ def _motion_covariance(
 
 
 def _wide_means(columns: np.ndarray, used: np.ndarray, width: float) -> np.ndarray:
-    """Return Gaussian means of columns (n, k) over the used points of a grid (y, x)."""
+    """Return Gaussian means (n, k) of columns (n, k) over the ``used`` nodes of a grid (y, x).
+
+    ``width`` is their standard deviation [nodes].
+    """
     weight = gaussian_sums(used.astype(float), width, 2.5)[used]
     means = np.empty_like(columns)
     field = np.zeros(used.shape)
@@ -230,11 +244,12 @@ def _wide_means(columns: np.ndarray, used: np.ndarray, width: float) -> np.ndarr
 
 
 def _tiled_covariance(gradients: np.ndarray, inverse: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the covariance (6, 6) of a fit by its gradients (n, 6) at places (2, n).
+    """Return the covariance (6, 6) of the six fitted parameters from gradients (n, 6) of points.
 
-    It is that of the sandwich estimator, inverse * sum(s s^T) * inverse, with gradients summed in
-    `ERROR_TILES` x `ERROR_TILES` tiles, as neighbouring points have no independent errors, and with
-    the factor n / (n - 6) for the tiles and the fitted parameters.
+    It is that of the sandwich estimator, inverse * sum(s s^T) * inverse. The s are the sums of the
+    gradients in each of `ERROR_TILES` x `ERROR_TILES` tiles, over which the ``places`` (2, n) are
+    divided, because neighbouring points have no independent errors. For k tiles with points there
+    is a factor k / (k - 6).
     """
     low = places.min(axis=1, keepdims=True)
     high = places.max(axis=1, keepdims=True)

@@ -1,10 +1,11 @@
-"""Overlap of two clouds of points in one frame: walls where both are known.
+"""Overlap of the scans of two walls in one frame: both walls on a grid where both were scanned.
 
-Points have z upwards. `overlap_of` turns the heights of the upper wall, at one place: those of an
-`Overlap`, as of all registered walls, count towards the other wall.
+Points of scans have z upwards. In an `Overlap`, as in all registered walls, the heights of both
+walls count towards the other wall; `overlap_of` changes the sign of the upper wall's heights.
 
-Holes are taken out of contact: closures of 14 joints were 0.94 to 1.03 times those without holes;
-filled between their rims, 0.95 to 1.8 times, as the fill lacks waves that the walls share.
+In holes of a scan the walls are made not to touch. With such holes the closures of 14 joints were
+0.94 to 1.03 times those without holes. With holes filled between their rims they were 0.95 to 1.8
+times as large, as the filled parts lack the waves that both walls share.
 """
 
 from collections.abc import Callable
@@ -20,25 +21,25 @@ from jointclosure.walls.missing_heights import fill_dropouts, fill_missing, in_h
 from jointclosure.walls.planes import detrended, plane_through
 from jointclosure.walls.point_interpolation import interpolate_heights
 
-SMALLEST_SIDE = 8  # cells of the walls along each side
-MOST_FILLED = 0.9  # largest share of holes whatever the stated one is: some cells must be known
+SMALLEST_SIDE = 8  # fewest cells of the walls along each side
+MOST_FILLED = 0.9  # largest share of cells in holes, also if the user allows a larger one
 HeightsAt = Callable[[np.ndarray], np.ndarray]
 """Heights (...) [m] of a wall at nodes (..., 2) [m], NaN where they are not known."""
 
 
 class Overlap(NamedTuple):
-    """Walls where both are known, less their common plane; arrays are (y, x)."""
+    """Walls on the grid of a joint where both were scanned, less their common plane."""
 
-    upper: np.ndarray  # heights [m] towards the other wall
-    lower: np.ndarray
-    upper_holes: np.ndarray  # cells out of contact, as this scan has no height there
-    lower_holes: np.ndarray
-    shares: list[float]  # of both scans
+    upper: np.ndarray  # heights (y, x) [m] towards the other wall
+    lower: np.ndarray  # heights (y, x) [m] towards the other wall
+    upper_holes: np.ndarray  # cells (y, x) without contact, as the upper scan has no height there
+    lower_holes: np.ndarray  # the same of the lower scan
+    shares: list[float]  # of the area of the upper and of the lower scan that the walls cover
     inclination: float  # of the common plane [degrees]
     relative: float  # inclination of the walls to each other [degrees]
-    cut: int  # cells of holes that are left out
-    box: tuple[np.ndarray, np.ndarray]  # corners (x, y) of the area that both scans cover
-    first: np.ndarray  # place (x, y) of the first cell
+    cut: int  # number of cells in holes outside of the walls' rectangle
+    box: tuple[np.ndarray, np.ndarray]  # lowest and highest (x, y) [m] that both scans cover
+    first: np.ndarray  # place (x, y) [m] of the first cell
 
     @property
     def holes(self) -> np.ndarray:
@@ -61,9 +62,10 @@ class Overlap(NamedTuple):
         return self._replace(**{name: getattr(self, name)[::step, ::step] for name in fields})
 
     def with_flat_wall(self, side: str) -> "Overlap":
-        """Make the wall of a side exactly flat, and count all holes to the other wall.
+        """Return the overlap with an exactly flat wall on a side; the other wall gets all holes.
 
-        The other one is kept, and has in holes the sum of both, so that the gap stays.
+        The other wall is kept except in holes, where it becomes the sum of both walls, so that the
+        gap there does not change.
         """
         flat = np.zeros(self.upper.shape)
         none = np.zeros_like(self.holes)
@@ -82,16 +84,17 @@ def overlap_of(
     largest_filled_share: float,
     heights_at: tuple[HeightsAt | None, HeightsAt | None] = (None, None),
 ) -> Overlap:
-    """Find the largest rectangle of nodes at which both walls are known.
+    """Return both walls in the largest rectangle of nodes at which both were scanned.
 
-    ``clouds`` are the points (n, 3) [m] of both walls, with mean ``distances`` [m] of points. Nodes
-    lie at multiples of the spacing [m] from the corner of the lower wall. ``heights_at`` are
-    functions that return the heights of the upper and of the lower wall at nodes (y, x, 2) [m]; a
-    wall without one is interpolated linearly between its points. The rectangle lies beside holes
-    that would be more than ``largest_filled_share`` of it.
+    ``clouds`` are the points (n, 3) [m] of the upper and the lower scan, with mean ``distances``
+    [m] of points. Nodes lie at multiples of the ``spacing`` [m] from the corner of the lower scan.
+    ``heights_at`` are functions that return the heights of the upper and of the lower wall at nodes
+    (y, x, 2) [m]; a wall without one is interpolated linearly between its points. Nodes in holes of
+    a scan count as scanned, unless they would be more than ``largest_filled_share`` of the
+    rectangle; then the largest rectangle without holes is taken.
 
-    Raise `InputError` if the walls overlap in less than `SMALLEST_SIDE` cells along a side, or
-    their common plane is too inclined.
+    Raise `InputError` if the walls overlap in less than `SMALLEST_SIDE` cells along a side, if the
+    scans have fewer than four points in common, or if their common plane is too inclined.
     """
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in clouds]
     low = np.maximum(corners[0][0], corners[1][0])
@@ -168,9 +171,10 @@ def _check_size(shape: tuple[int, ...], spacing: float, more: str = "") -> None:
 
 
 def _fitted_plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Fit a plane to the points (n, 3) between two places (x, y) [m].
+    """Return the mean plane of the points (n, 3) [m] between ``low`` and ``high`` (x, y) [m].
 
-    Return its slopes along x and y, and its height at the origin [m].
+    It is (slope along x, slope along y, height [m] at the origin). Raise `InputError` for fewer
+    than four points.
     """
     inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
     inside &= np.isfinite(points[:, 2])
@@ -181,10 +185,10 @@ def _fitted_plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.n
 
 
 def _hole_cells(wall: np.ndarray, reach: float) -> np.ndarray:
-    """Return the cells (y, x) in holes of a wall (y, x).
+    """Return which cells (y, x) of a wall (y, x), NaN where unknown, are in holes of its scan.
 
-    Of scattered points, whose ``reach`` [cells] is above 0, those within this reach of a hole count
-    as well, as heights beside it are interpolated across.
+    If the scan has scattered points, ``reach`` [cells] is above 0, and cells within this distance
+    of a hole are taken to be in it, since their heights are interpolated across the hole.
     """
     known = np.isfinite(wall)
     holes = in_holes(known)
@@ -198,9 +202,11 @@ def _hole_cells(wall: np.ndarray, reach: float) -> np.ndarray:
 def _fill_holes(
     upper: np.ndarray, lower: np.ndarray, upper_holes: np.ndarray, lower_holes: np.ndarray
 ) -> list[np.ndarray]:
-    """Return walls (y, x) [m], z upwards, whose holes (y, x) are filled without contact.
+    """Return walls (y, x) [m], z upwards, whose holes are filled so that they do not touch.
 
-    A hole gets the height of the other wall at the largest distance of the walls around it.
+    In a hole the distance of the walls becomes the largest distance beside the hole: the wall with
+    the hole is placed at this distance from the other wall. Where both walls have a hole, the lower
+    wall is interpolated linearly first.
     """
     either = upper_holes | lower_holes
     both = upper_holes & lower_holes

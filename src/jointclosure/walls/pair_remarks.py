@@ -1,4 +1,4 @@
-"""Remarks of a registration on the walls that it made."""
+"""Remarks on a registered pair of walls: sentences on its overlap, contact, mating and doubts."""
 
 import numpy as np
 
@@ -11,19 +11,20 @@ from jointclosure.walls.overlap import Overlap
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.rotation_search import LEAST_OVERLAP
 
-STEEP_PLANE = 5.0  # inclination of the plane common to both walls from which users are warned [deg]
-STEEP_WEDGE = 1.0  # inclination of the walls to each other from which users are warned [degrees]
+STEEP_PLANE = 5.0  # inclination [degrees] of the walls' common plane above which users are warned
+STEEP_WEDGE = 1.0  # inclination [degrees] of the walls to each other above which users are warned
 _FAR = 1.5
-"""Closure until one cell in a thousand touches, in standard deviations of the aperture, from which
-the first contact may be a spike."""
-_ALIKE = 0.99  # correlation beyond which walls that fit at all wavelengths may be one wall
+"""Closure until one cell in a thousand touches, in standard deviations of the aperture, above which
+users are warned that the first contact may be a spike."""
+_ALIKE = 0.99  # correlation above which walls that mate at all wavelengths may be one wall
 
 
 def wall_remarks(pair: RegisteredPair, overlap: Overlap, in_frame: bool) -> list[str]:
-    """Describe the walls of a pair, made of their ``overlap`` on the grid of the joint.
+    """Return the remarks on the walls of a registered pair and on their ``overlap``.
 
-    ``in_frame``: both scans have one frame, in which the walls lie as they were scanned. The
-    remarks and the scale of the pair are not read.
+    ``in_frame`` is whether the walls lie as they were scanned, in a frame that both scans share; a
+    remark on their distance is then added. The remarks and the scale that the pair already has are
+    not read.
     """
     cells = f"{grid_text(pair.upper.shape, pair.spacing)} (x, y)"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
@@ -53,7 +54,10 @@ def wall_remarks(pair: RegisteredPair, overlap: Overlap, in_frame: bool) -> list
 
 
 def width_remarks(pair: RegisteredPair) -> list[str]:
-    """Say that standard errors of a fit are too small on walls of few mismatch wavelengths."""
+    """Return a remark that the standard errors of the position were enlarged; none if not.
+
+    They are too small on walls that are only a few mismatch wavelengths wide.
+    """
     factor = pair.error_factor
     if factor == 1.0 or not pair.motion.covariance.any():
         return []
@@ -68,7 +72,10 @@ def width_remarks(pair: RegisteredPair) -> list[str]:
 
 
 def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
-    """Describe the aperture (y, x) [m] at first touch, and how far the first contact stands out."""
+    """Return remarks on the aperture (y, x) [m] at first touch, in the cell (y, x).
+
+    The second is a caution if the first contact stands out so far that it may be a spike.
+    """
     early = float(np.quantile(aperture, 1e-3))
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
     exact = (
@@ -87,10 +94,11 @@ def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
 
 
 def _frame_remark(overlap: Overlap) -> str:
-    """Describe the mean distance of walls in one frame, or say that it is not known.
+    """Return a remark on the mean distance of walls as scanned, or a caution that it is not known.
 
-    Walls with one zero of heights hardly overlap in the order in which they are given, or nearly
-    everywhere if they are interchanged. In other scans neither is so.
+    If heights of both scans have the same zero, the upper wall lies above the lower one nearly
+    everywhere, or below it nearly everywhere if the files are interchanged. If each wall lies
+    partly below the other, the zeros differ.
     """
     gaps = overlap.gap
     gap = float(np.mean(gaps))
@@ -109,9 +117,10 @@ def _frame_remark(overlap: Overlap) -> str:
 
 
 def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
-    """Describe holes, unusual overlap and inclinations.
+    """Return sentences on holes, on a small overlap, and on large inclinations of the walls.
 
-    ``both``: neither wall is flat; ``best_fit``: they are in the position of best fit.
+    ``both`` is whether neither wall is flat, ``best_fit`` whether they are in the position of best
+    fit. The list is empty if nothing is unusual.
     """
     doubts = []
     share = 100.0 * max(overlap.shares)
@@ -154,7 +163,7 @@ def _overlap_doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
 
 
 def describe_mating(mismatch: Mismatch) -> str:
-    """Describe at which wavelengths walls are mated."""
+    """Return words on the wavelengths at which two walls are mated."""
     if mismatch.wavelength == 0.0:
         return "the walls are mated at all wavelengths of the grid"
     if np.isinf(mismatch.wavelength):
@@ -168,7 +177,10 @@ def describe_mating(mismatch: Mismatch) -> str:
 
 
 def coarser_grid_caution(spacing: float, step: int) -> Caution:
-    """State that a joint has a coarser grid than the usual one of a spacing [m]."""
+    """Return a caution that heights were taken on a coarser grid than that of a spacing [m].
+
+    The grid has ``step`` times the spacing, which is the usual one.
+    """
     return caution(
         f"heights were taken every {1e3 * step * spacing:.4g} mm, which the scans resolve, and not "
         f"every {1e3 * spacing:.4g} mm. The range has joints of both spacings, with lost "
@@ -177,7 +189,11 @@ def coarser_grid_caution(spacing: float, step: int) -> Caution:
 
 
 def scale_caution(scale: float, error: float) -> Caution:
-    """Warn of heights of the upper wall whose scale differs from that of the lower wall."""
+    """Return a caution that the scales of both walls' heights differ.
+
+    ``scale`` is the scale of the upper wall over that of the lower wall, ``error`` its relative
+    standard error.
+    """
     return caution(
         f"heights of the upper wall are {scale:.3f} +- {scale * error:.3f} (standard error) times "
         "those of the lower one at the waves by which they mate: calibrate both scans. The range "

@@ -1,4 +1,4 @@
-"""Mean planes, and heights less these.
+"""Mean planes of walls, and heights of walls less their mean planes.
 
 To detrend is to subtract the mean plane from heights, whose places stay: `detrended` for a whole
 wall on a grid, `detrended_points` for points and for grids with missing heights. To level is to
@@ -20,12 +20,16 @@ class Plane(NamedTuple):
     slope_y: float
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the heights at places [m]."""
+        """Return the heights [m] of the plane at places [m]."""
         return self.level + self.slope_x * (x - self.x) + self.slope_y * (y - self.y)
 
 
 def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
-    """Fit the plane of points (n,) [m] by sums, which have the same bits on any processor."""
+    """Return the least-squares plane of points with coordinates (n,) [m], all finite.
+
+    It is computed by sums, which have the same bits on any processor. Points on one line have the
+    plane that is level across the line.
+    """
     middle_x = float(np.mean(x))
     middle_y = float(np.mean(y))
     level = float(np.mean(heights))
@@ -52,9 +56,10 @@ def detrended_points(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.nd
 
 
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """Return a whole wall (y, x) [m] less its least-squares plane.
+    """Return the heights (y, x) [m] of a whole wall less its least-squares plane.
 
-    The terms of the plane are orthogonal on a grid. Heights must be known in all cells.
+    Heights must be known in all cells: the terms of the plane are then orthogonal, and are
+    subtracted one after the other.
     """
     ny, nx = heights.shape
     y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))

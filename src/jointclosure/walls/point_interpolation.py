@@ -8,9 +8,10 @@ from threadpoolctl import threadpool_limits
 def interpolate_heights(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Interpolate heights (n,) [m] at places (n, 2) [m] linearly to nodes (..., 2) [m].
+    """Return heights (...) [m] at nodes (..., 2) [m], interpolated linearly between points.
 
-    Nodes outside of the places, or without a place within ``reach`` [m], are NaN.
+    Points have ``heights`` (n,) [m] at ``places`` (n, 2) [m]. A node outside of the convex hull of
+    the points, or without a point within ``reach`` [m], has NaN.
     """
     count = min(12, len(places))  # enough for the Delaunay triangle of all
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
@@ -27,7 +28,11 @@ def interpolate_heights(
 def triangle_interpolation(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray
 ) -> np.ndarray:
-    """Interpolate heights at nodes (..., 2) in Delaunay triangles; same bits on any processor."""
+    """Return heights (...) at nodes (..., 2), linear in the Delaunay triangles of points.
+
+    Points have ``heights`` (n,) at ``places`` (n, 2). Nodes outside of all triangles have NaN. The
+    result has the same bits on any processor.
+    """
     # the triangulation is most robust for coordinates of order one about zero
     centre = places.mean(axis=0)
     scale = np.ptp(places)

@@ -32,10 +32,10 @@ from jointclosure.walls.wall_roughness import (
     slope_over_interval,
 )
 
-FEWEST_POINTS = 24  # lags up to a quarter of the profile have four heights to themselves
-LEVEL = 5.0  # inclination [degrees] up to which the mean line is subtracted
-EVEN = 0.1  # largest difference of a step from the mean one, over it, of even points
-LONGEST_GAP = 3.0  # distance between two points, over the median, beyond which heights are missing
+FEWEST_POINTS = 24  # fewest points of a profile: the longest distance, a quarter, is six steps
+LEVEL = 5.0  # largest inclination [degrees] of a profile whose mean line is just subtracted
+EVEN = 0.1  # largest difference of a step from the mean step, over it, in evenly spaced points
+LONGEST_GAP = 3.0  # largest step, over the median step, within which heights are interpolated
 _PLACES = ("x", "distance", "length", "position")
 """Names of the column of places, the more likely ones first."""
 _HEIGHTS = ("z", "y")
@@ -106,7 +106,11 @@ def read_profile(
 
 
 def _columns(names: list[str], width: int, variable: str | None) -> list[int]:
-    """Return the numbers of the columns of places and heights."""
+    """Return the numbers, from 0, of the columns of places and heights of a profile.
+
+    ``variable`` states their names, or their numbers from 1. Otherwise they are known by their
+    names, or are the only two. Raise `InputError` if they are not found.
+    """
     axes = [axis_name(name) for name in names]
     if variable is not None:
         words = [word.strip() for word in variable.split(",")]
@@ -241,7 +245,11 @@ def measure_profile(heights: np.ndarray, spacing: float) -> list[Measure]:
 
 
 def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
-    """Return rms height [m], slopes, the Hurst exponent by second differences, and Rp."""
+    """Return the measures of a profile (n,) [m] by name.
+
+    They are the rms height [m], RMS slopes at the spacing and at numbers of cells, the Hurst
+    exponent by second differences, and Rp, the length over that of the mean line.
+    """
 
     def rms(lag: int, order: int = 1) -> float:
         return float(
@@ -261,13 +269,19 @@ def _profile_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
 
 
 def _random_measures(count: int, spacing: float, hurst: float) -> dict[str, np.ndarray]:
-    """Return the measures of self-affine profiles of a Hurst exponent, each (SCATTER_SAMPLES,)."""
+    """Return the measures of random self-affine profiles of ``count`` points, by name.
+
+    Each is an array (SCATTER_SAMPLES,), see `_profile_measures`.
+    """
     rows = [_profile_measures(profile, spacing) for profile in _random_profiles(count, hurst)]
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 def _random_profiles(count: int, hurst: float) -> list[np.ndarray]:
-    """Return self-affine profiles (count,) of a Hurst exponent: parts of twice as long ones."""
+    """Return `SCATTER_SAMPLES` random self-affine profiles (count,), each less its mean line.
+
+    They are halves of periodic profiles, so that they are not periodic. Their scale is arbitrary.
+    """
     frequencies = np.fft.rfftfreq(2 * count)
     amplitudes = np.zeros(frequencies.size)
     amplitudes[1:] = frequencies[1:] ** -(min(max(hurst, 0.05), 1.0) + 0.5)

@@ -1,4 +1,4 @@
-"""Options of a registration, checked once, and the orientations that it compares."""
+"""Options of a registration of two scanned walls, and the orientations that it compares."""
 
 from dataclasses import dataclass
 
@@ -6,9 +6,9 @@ import numpy as np
 
 from jointclosure.inputs import check_one_of
 
-LARGEST_HOLES = 0.15  # share of cells in holes of either scan, taken out of contact by default
-SHIFTS = ("scanned", "mated")  # positions of the upper wall: as scanned, or of best fit
-SPIKES = ("keep", "cut")  # what is done with spikes
+LARGEST_HOLES = 0.15  # largest share of cells in holes of a scan that a joint has by default
+SHIFTS = ("scanned", "mated")  # positions of the upper wall: as it was scanned, or of best fit
+SPIKES = ("keep", "cut")  # what is done with spikes of a scan
 
 ORIENTATIONS = {
     "common_frame": "z upwards on both scans",
@@ -20,15 +20,14 @@ ORIENTATIONS = {
 _SIGNS = (1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (1.0, 1.0, -1.0), (-1.0, 1.0, 1.0)
 """Signs by which each orientation multiplies x, y and z of the upper wall's scan."""
 FLIPS = dict(zip(ORIENTATIONS, map(np.diag, _SIGNS), strict=True))
-"""The same as matrices (3, 3), by the names of the orientations."""
+"""Orientations as diagonal matrices (3, 3) of their signs, by name."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RegistrationOptions:
-    """Options of `jointclosure.walls.registration.registered`, whose words are allowed ones.
+    """Options of `jointclosure.walls.registration.registered`, which describes each of them.
 
-    Each is described there. Raise `InputError` if ``orientation``, ``shift`` or ``spikes`` is none
-    of its words.
+    Raise `InputError` if ``orientation``, ``shift`` or ``spikes`` is not one of its allowed words.
     """
 
     orientation: str | None = None  # a key of `ORIENTATIONS`; None: the one that fits best

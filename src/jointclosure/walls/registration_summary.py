@@ -1,4 +1,4 @@
-"""A registered pair of walls in a few lines; its ``remarks`` have all that is known of it."""
+"""Summary of a registered pair of walls in a few lines; `RegisteredPair.remarks` say more."""
 
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.number_texts import grid_text
@@ -7,13 +7,16 @@ from jointclosure.walls.registered_pair import RegisteredPair
 
 
 def summary_of(pair: RegisteredPair) -> list[str]:
-    """Describe orientation, position and mating of a pair, with its warnings."""
+    """Return lines on the orientation, position and mating of a pair of walls, and its warnings."""
     lines = [_orientation(pair), _position(pair), _mating(pair)]
     return [line for line in lines if line] + cautions(pair.remarks)
 
 
 def _orientation(pair: RegisteredPair) -> str:
-    """State the orientation of the upper wall, and how well it and the next one fit."""
+    """Return a line on the orientation of the upper wall, and how well this and the next one fit.
+
+    It is empty if one wall is flat.
+    """
     if not pair.fits:
         return ""
     of_fits = f"slopes correlate by {pair.fits[0]}"
@@ -23,7 +26,10 @@ def _orientation(pair: RegisteredPair) -> str:
 
 
 def _position(pair: RegisteredPair) -> str:
-    """State where the upper wall was moved, with the standard errors that its range has."""
+    """Return a line on where the upper wall was moved, with its standard errors in the range.
+
+    It is empty if one wall is flat.
+    """
     if not pair.fits:
         return ""
     if not pair.motion.covariance.any():
@@ -39,7 +45,7 @@ def _position(pair: RegisteredPair) -> str:
 
 
 def _mating(pair: RegisteredPair) -> str:
-    """State the size of the overlap, and from which wavelength on the walls mate."""
+    """Return a line on the size of the overlap, and from which wavelength on the walls mate."""
     line = f"overlap: {grid_text(pair.upper.shape, pair.spacing)}"
     if not pair.fits:
         return f"{line}; one wall is flat"

@@ -16,28 +16,32 @@ from jointclosure.walls.surfaces import Surface
 
 # All constants were chosen. With them the errors of 40 pairs of known truth are those that
 # docs/two_scans.md states (`python -m benchmarks.registration`).
-LEAST_OVERLAP = 0.5  # least share of the smaller wall that overlaps; other shifts are not tried
+LEAST_OVERLAP = 0.5  # least share of the smaller wall that must overlap at a shift that is tried
 BLOCKS = (48, 24)
-"""Blocks along the shorter side on which rotations are compared; the second if no fit is clear."""
-ROTATION_STEP = 3.0  # between the rotations that are compared [degrees]
-DIFFERENT_ROTATIONS = 10.0  # least difference of two rotations that count as two fits [degrees]
-CLEAR = 1.25  # ratio of the best correlation of slopes to the second from which a fit is clear
+"""Numbers of blocks along the shorter side by whose means rotations are compared. The second number
+is used if no fit with the first is clear."""
+ROTATION_STEP = 3.0  # step [degrees] between the rotations that are compared
+DIFFERENT_ROTATIONS = 10.0  # difference [degrees] above which two rotations count as two fits
+CLEAR = 1.25  # least ratio of the best correlation to that of the next fit for a clear fit
 
 
 class SlopeFit(NamedTuple):
-    """Rotation [degrees] and shift (x, y) [m] of the upper wall with the best slope correlation."""
+    """Rotation and shift of the upper wall at which the slopes of both walls correlate best."""
 
-    orientation: str
-    correlation: float
-    angle: float
-    shift: np.ndarray
+    orientation: str  # a key of `registration_options.ORIENTATIONS`
+    correlation: float  # of the slopes of both walls
+    angle: float  # rotation in the plane [degrees], from 0 to 360
+    shift: np.ndarray  # (x, y) [m] of the upper wall's middle from the lower wall's middle
 
     def differs_from(self, other: "SlopeFit") -> bool:
-        """Return whether orientations differ, or angles by more than `DIFFERENT_ROTATIONS`."""
+        """Return whether two fits differ in orientation, or by more than `DIFFERENT_ROTATIONS`."""
         return self.turned_from(other) > DIFFERENT_ROTATIONS
 
     def turned_from(self, other: "SlopeFit") -> float:
-        """Return the difference of the angles [degrees], infinite for another orientation."""
+        """Return the difference [degrees] of the rotations of two fits, at most 180.
+
+        It is infinite if their orientations differ.
+        """
         if self.orientation != other.orientation:
             return math.inf
         return abs((self.angle - other.angle + 180.0) % 360.0 - 180.0)
@@ -48,7 +52,10 @@ class SlopeFit(NamedTuple):
 
 
 def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
-    """Return means of the known heights in blocks of cells, NaN for blocks without any."""
+    """Return the mean known heights of a wall (y, x) in square blocks with ``cells`` along a side.
+
+    Blocks without a known height are NaN. Cells at the ends that fill no block are left out.
+    """
     ny, nx = (size // cells for size in wall.shape)
     blocks = wall[: ny * cells, : nx * cells].reshape(ny, cells, nx, cells)
     known = np.isfinite(blocks).sum(axis=(1, 3))
@@ -58,11 +65,12 @@ def _blocks(wall: np.ndarray, cells: int) -> np.ndarray:
 def compare_rotations(
     upper: Surface, lower: Surface, orientations: dict[str, np.ndarray], blocks: int
 ) -> list[SlopeFit]:
-    """Return the best fit at each rotation and orientation of the upper wall, the best one first.
+    """Return the best shift at each rotation and orientation of the upper wall, the best fit first.
 
-    There are ``blocks`` along the shorter side. Orientations change signs of x, y and z. Those of
-    one plan differ by the sign of the heights, and correlate by opposite numbers, so that only two
-    plans are compared: as scanned, and mirrored. Raise `InputError` if a comparison has too few
+    Walls are compared by means in ``blocks`` along the shorter side. ``orientations`` are matrices
+    (3, 3), by name, that change the signs of x, y and z. Orientations with the same plan differ
+    only by the sign of heights, and so have opposite correlations. Therefore only two plans are
+    compared: the plan as scanned, and mirrored. Raise `InputError` if a comparison has too few
     heights.
     """
     cells = max(min(*upper.heights.shape, *lower.heights.shape) // blocks, 1)
@@ -102,7 +110,10 @@ def _is_mirrored(flip: np.ndarray) -> bool:
 
 
 def _best_shift(correlations: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return the largest of `slope_correlations` (y, x), and its shift (2,) in cells."""
+    """Return the largest of correlations (y, x) by shift, and its shift (y, x) in cells.
+
+    The correlations are those of `slope_correlations`: indices beyond the middle are negative.
+    """
     place = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
     shift = [i - n if i > n // 2 else i for i, n in zip(place, correlations.shape, strict=True)]
     return float(correlations[place]), np.array(shift, float)

@@ -1,7 +1,9 @@
-"""Defects of a scanned grid that are found in its heights, and undone where that is possible.
+"""Defects of a scanned wall that show in its heights, and their removal.
 
-Blocks of equal heights are taken once, profiles that lie aside are moved back, raised rims are cut,
-and patches without short waves count as missing, as filled holes have no roughness of the wall.
+In a grid each block of equal heights becomes one height, profiles that are displaced along
+themselves are moved back, rims that a sharp step sets off are cut, and heights in patches without
+short waves become missing (NaN), because such patches are filled holes. Plateaus (`outliers.py`)
+are removed from grids and from points.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,31 +17,41 @@ from jointclosure.walls.gridding import Cloud, Scan
 from jointclosure.walls.plateaus import remove_plateaus
 from jointclosure.walls.rounding import step_of
 
-LARGEST_BLOCK = 4  # cells along a side of blocks of equal heights that are looked for
+LARGEST_BLOCK = 4  # cells along a side of the largest blocks of equal heights that are looked for
 SMOOTH = 0.03
-"""Mean squared second difference of 3 x 3 cells, over the median of the wall, below which a patch
-has no short waves. The least of self-affine walls of 128 x 128 cells (H 0.5 to 0.9) was 0.079, of a
-scanned foliation joint 0.11."""
-ASIDE = 2  # largest shift [cells] at which profiles are compared
+"""Smoothness below which a cell lies in a patch without short waves. The smoothness of a cell is
+the mean squared second difference of heights in the 3 x 3 cells around it, over the median of this
+mean in the whole wall. The smallest smoothness of any cell was 0.079 in self-affine walls of 128 x
+128 cells (H 0.5 to 0.9), and 0.11 in a scanned foliation joint."""
+ASIDE = 2  # largest displacement [cells] of a profile from its neighbour that is looked for
 CLEAR_SHIFT = 2.5
-"""Mean over standard error of the misfit that a shift takes from a single profile between both of
-its neighbours, from which it is moved. The largest of 1,200 self-affine fields of 64 and 128
-profiles was 1.5, as a shift adds misfit."""
+"""Score above which a single profile counts as displaced along itself, and is moved back. The score
+of a shift is the decrease of misfit that it brings, averaged over the cells of the profile, over
+the standard error of this average. Misfit is the squared difference between the slopes of the
+profile and the mean slopes of its two neighbours. The largest score in 1,200 self-affine fields of
+64 and 128 profiles, of which none is displaced, was 1.5."""
 CLEAR_STEP = 4.0
-"""The same for all profiles from one on; the largest of these fields was 2.8."""
+"""Score above which a profile and all after it count as displaced against those before. The score
+is that of `CLEAR_SHIFT`, except that the misfit of a profile is to the profile before it. The
+largest score in the same self-affine fields was 2.8."""
 RIM = 8.0
-"""Bend of the profile means at the step of a rim from which it is cut, over the usual bend of means
-inside (1.48 times the median deviation); chosen."""
+"""Sharpness above which a step at an edge of the grid is the inner side of a rim, which is cut. The
+sharpness is the size of the bend at the step over the scatter of the bends farther in. The bend of
+a profile is the mean second difference [m] of heights across profiles. The scatter is 1.48 times
+the median absolute deviation. The value was chosen."""
 _RIM_OF_MEDIAN = 0.75
-"""The same for the median of a profile, over `RIM`: medians scatter 1.25 times as much as means."""
-_RIM_SHARE = 0.03  # share of the cells along an axis in which a rim may end; chosen
-_RIM_CELLS = 3  # number of these cells where the share is fewer; chosen
+"""Factor of `RIM` for the second test of a rim, in which medians over a profile replace the means.
+Both tests must be passed. Medians scatter 1.25 times as much as means, so that the same step is
+less sharp among them."""
+_RIM_SHARE = 0.03  # largest width of a rim, as a share of the profiles across it; chosen
+_RIM_CELLS = 3  # largest width of a rim [profiles] in grids where the share is less; chosen
 
 
 def inspected(scan: Scan | Cloud) -> Scan | Cloud:
-    """Return a scan without the defects that its heights show, with a remark on each.
+    """Return a scan without the defects that its heights show; its remarks have a caution on each.
 
-    Those of profiles, blocks and rims are found in grids only; plateaus also in points.
+    In points only plateaus are looked for; in grids also blocks of equal heights, displaced
+    profiles, rims, and patches without short waves.
     """
     if isinstance(scan, Scan):
         for undo in (merge_equal_blocks, align_profiles, cut_rim):
@@ -49,14 +61,15 @@ def inspected(scan: Scan | Cloud) -> Scan | Cloud:
 
 
 def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cloud]:
-    """Return scans whose cells lie on each other without their defects, so that they still do.
+    """Return the scans of both walls, by side, without the defects that their heights show.
 
-    Of grids the cells are kept that all have afterwards.
+    The cells (y, x) of two grids must lie on each other, and still do so afterwards: if the size of
+    a grid has changed, both are cut to the cells that both still have, and then have no ``origin``.
 
     Raises
     ------
     InputError
-        If cells were cut or taken in blocks, and those of the grids do not lie on each other.
+        If the size of a grid has changed, and the cells of the grids no longer lie on each other.
     """
     kept: dict[str, Scan | Cloud] = {}
     grids: dict[str, Scan] = {}
@@ -93,9 +106,10 @@ def inspected_together(scans: Mapping[str, Scan | Cloud]) -> dict[str, Scan | Cl
 
 
 def merge_equal_blocks(scan: Scan) -> Scan:
-    """Return a scan with one height for each block of n x n equal ones, which was measured once.
+    """Return a scanned grid in which each block of n x n equal heights has become one height.
 
-    The height lies in the middle of the block.
+    The height lies in the middle of its block, so that the spacing is n times as large. The largest
+    n from `LARGEST_BLOCK` down to 2 is taken; a grid without blocks is returned as it is.
     """
     heights = scan.heights
     for size in range(LARGEST_BLOCK, 1, -1):
@@ -120,7 +134,12 @@ def merge_equal_blocks(scan: Scan) -> Scan:
 
 
 def _first_of_blocks(heights: np.ndarray, axis: int, size: int) -> int | None:
-    """Return the first cell of whole blocks of equal heights along an axis; None without blocks."""
+    """Return the index along an axis at which the first whole block of equal heights begins.
+
+    None if heights (y, x) do not repeat in blocks of ``size`` cells along the axis, which 0.9 of
+    the differences within blocks and at most half of those between blocks must show by being 0, or
+    if there are no more than four such blocks.
+    """
     steps = np.moveaxis(np.diff(heights, axis=axis), axis, 0)
     if len(steps) < 4 * size:
         return None
@@ -139,7 +158,11 @@ def _first_of_blocks(heights: np.ndarray, axis: int, size: int) -> int | None:
 
 
 def align_profiles(scan: Scan) -> Scan:
-    """Return a scan with profiles moved back that lie whole cells aside, as after lost steps."""
+    """Return a scanned grid whose displaced rows and columns were moved back by whole cells.
+
+    Profiles are displaced along themselves where a scanner lost steps. Cells at the ends of
+    profiles that not all profiles cover after the move are cut.
+    """
     for axis, name in ((0, "rows"), (1, "columns")):
         heights = scan.heights if axis == 0 else scan.heights.T
         places = _places_aside(heights)
@@ -171,9 +194,11 @@ def align_profiles(scan: Scan) -> Scan:
 
 
 def _places_aside(heights: np.ndarray) -> np.ndarray:
-    """Return the cells by which each row (y, x) lies aside of most rows.
+    """Return the displacement (y,) [cells] of each row of heights (y, x) from most rows.
 
-    Single rows are compared with the mean of both neighbours, then each row with the next.
+    It is positive if the row must be moved towards smaller x. Single rows, or every second row, are
+    first compared with the means of both neighbours; then each row is compared with the one before
+    it, which finds displacements of all rows beyond. All are 0 if the grid is too small.
     """
     slopes = heights[:, 2:] - heights[:, :-2]  # less affected by noise than neighbours
     places = np.zeros(len(heights), int)
@@ -196,17 +221,18 @@ def _places_aside(heights: np.ndarray) -> np.ndarray:
 
 
 def _most_frequent(values: np.ndarray) -> int:
-    """Return the whole number that is most frequent."""
+    """Return the most frequent of whole numbers (n,); of several, the smallest."""
     return int(np.bincount(values - values.min()).argmax() + values.min())
 
 
 def _clear_shifts(
     fixed: np.ndarray, rows: np.ndarray, clear: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shift [cells] of each row at which it clearly fits a fixed row better, else 0.
+    """Return the shifts (n,) [cells] at which rows (n, x) fit the ``fixed`` rows (n, x) better.
 
-    The second value (rows,) is the mean over standard error of the misfit that the shift takes;
-    a shift is clear from ``clear`` on.
+    The second array (n,) has the scores of these shifts, see `CLEAR_SHIFT`. A shift of at most
+    `ASIDE` cells is found if its score exceeds ``clear``. Otherwise, or if a row has fewer than 16
+    known cells in common with its fixed row, its shift and its score are 0.
     """
     inner = np.s_[:, ASIDE : rows.shape[1] - ASIDE]
     here = ((fixed - rows) ** 2)[inner]
@@ -226,7 +252,7 @@ def _clear_shifts(
 
 
 def cut_rim(scan: Scan) -> Scan:
-    """Return a scan without profiles at its edges whose mean height is set off by a sharp step."""
+    """Return a scanned grid without rims: profiles at its edges that a sharp step sets off."""
     cuts = []
     for axis in (0, 1):
         low = _rim_width(scan.heights, axis)
@@ -250,20 +276,24 @@ def cut_rim(scan: Scan) -> Scan:
 
 
 def _rim_width(heights: np.ndarray, axis: int) -> int:
-    """Return the number of profiles at the start of an axis that are a rim, 0 if there is none."""
+    """Return the number of profiles at the start of an axis that are a rim; 0 if there is none.
+
+    It is 0 too if the grid is too small, or if a profile near this edge has heights in no more than
+    half of its cells.
+    """
     side = heights.shape[axis]
-    most = max(int(_RIM_SHARE * side), _RIM_CELLS)
-    if side < 8 * most or min(heights.shape) < 24:
+    widest_rim = max(int(_RIM_SHARE * side), _RIM_CELLS)
+    if side < 8 * widest_rim or min(heights.shape) < 24:
         return 0
-    around = np.moveaxis(heights, axis, 0)[:, most:-most]  # without the rims of the other sides
+    around = np.moveaxis(heights, axis, 0)[:, widest_rim:-widest_rim]  # without rims of other sides
     with np.errstate(invalid="ignore"):
-        known = np.isfinite(around).sum(axis=1) > 0.5 * around.shape[1]
-    if not known[: most + 2].all():
+        is_judged = np.isfinite(around).sum(axis=1) > 0.5 * around.shape[1]
+    if not is_judged[: widest_rim + 2].all():
         return 0
-    # the mean is the more accurate, but a patch near the edge moves it too, and not the median
+    # means are more accurate than medians, but a patch near the edge changes only the means
     bends = _bends(around, np.nanmean)
-    means = _deviations(bends, most)
-    medians = _deviations(_bends(around, np.nanmedian), most)
+    means = _deviations(bends, widest_rim)
+    medians = _deviations(_bends(around, np.nanmedian), widest_rim)
     sharp = np.flatnonzero((means > RIM) & (medians > _RIM_OF_MEDIAN * RIM))
     # a step between profiles bends the means on both of its sides, in opposite directions
     ends = [n + 1 for n in sharp if n + 1 in sharp and bends[n + 1] * bends[n + 2] < 0.0]
@@ -273,7 +303,12 @@ def _rim_width(heights: np.ndarray, axis: int) -> int:
 
 
 def _bends(profiles: np.ndarray, middle: Callable[[np.ndarray], float]) -> np.ndarray:
-    """Return the mean or median (n,) of the second differences [m] across profiles (n, m)."""
+    """Return the bend (n,) [m] of each of the profiles (n, m): its mean second difference.
+
+    Second differences are those of heights in three neighbouring profiles. ``middle`` is the mean
+    or the median over the cells of a profile, which ignores NaN. The bend is NaN for the first and
+    the last profile, and where at most half of the differences are known.
+    """
     bends = np.full(len(profiles), np.nan)
     bends[1:-1] = [
         middle(row) if np.isfinite(row).sum() > 0.5 * row.size else np.nan
@@ -282,23 +317,29 @@ def _bends(profiles: np.ndarray, middle: Callable[[np.ndarray], float]) -> np.nd
     return bends
 
 
-def _deviations(bends: np.ndarray, most: int) -> np.ndarray:
-    """Return the sizes of the first ``most`` bends, in standard deviations of those farther in.
+def _deviations(bends: np.ndarray, widest_rim: int) -> np.ndarray:
+    """Return the sizes (widest_rim,) of the bends at an edge, over the scatter of those farther in.
 
-    The deviation is estimated by the median absolute deviation, which a rim does not affect. If
-    fewer than eight bends farther in are known, all sizes are 0.
+    ``bends`` (n,) are those of `_bends`; the sizes begin with that of the second profile, as the
+    first profile has no bend. The scatter is the standard deviation, estimated by the median
+    absolute deviation, which a rim does not affect. If fewer than eight bends farther in are known,
+    all sizes are 0.
     """
-    inner = bends[2 * most : -2 * most]
+    inner = bends[2 * widest_rim : -2 * widest_rim]
     inner = inner[np.isfinite(inner)]
     if len(inner) < 8:
-        return np.zeros(most)
+        return np.zeros(widest_rim)
     usual = 1.4826 * float(np.median(np.abs(inner - np.median(inner))))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.abs(bends[1 : most + 1]) / usual
+        return np.abs(bends[1 : widest_rim + 1]) / usual
 
 
 def mask_smooth_patches(scan: Scan) -> Scan:
-    """Return a scan without patches that have no short waves: they are filled holes."""
+    """Return a scanned grid in which heights are NaN in patches without short waves (`SMOOTH`).
+
+    Such patches are filled holes. No height is removed if more than 0.3 of the cells lie in them,
+    or if heights are rounded so coarsely that rounding alone makes flat patches.
+    """
     heights = scan.heights
     around = np.pad(heights, 1, constant_values=np.nan)
     bend = np.diff(around[:, 1:-1], 2, axis=0) ** 2 + np.diff(around[1:-1], 2, axis=1) ** 2
@@ -314,7 +355,7 @@ def mask_smooth_patches(scan: Scan) -> Scan:
         return scan
     if not smooth.any() or smooth.mean() > 0.3:  # a smooth or stepped wall
         return scan
-    # a mean is of 3 x 3 second differences, which take heights of one more cell on each side
+    # the 3 x 3 second differences of a mean contain heights of one more cell on each side
     patch = scipy.ndimage.binary_dilation(smooth, np.ones((3, 3)), iterations=2)
     patch &= np.isfinite(heights)
     message = (

@@ -1,13 +1,15 @@
 """Errors of two registered walls: of their registration, and of their heights.
 
-Walls are drawn as other scans could show them: displaced by the errors of the fit, and with another
-noise, as samples of the heights that are possible for the scanned ones. Interpolation on the grid
-takes a power L of short waves from both walls together, and noise adds a power N. Walls of
-coherence c have therefore lost (1 - c) L of their sum and (1 + c) L of their difference. How much
-of N is in their power is not known: waves shorter than twice the spacing appear in it as they do in
-the true heights, unless they are those of both walls.
+Walls are drawn at random as other scans of them could show them: displaced by the errors of the
+fit, and with other noise. Interpolation on the grid takes a power L of short waves from both walls
+together, and noise adds a power N. The sum of walls of coherence c has therefore lost (1 - c) L,
+and their difference (1 + c) L. How much of the estimated N is noise is not known: true waves
+shorter than twice the spacing, unless both walls have them, add the same power as noise.
 
-Waves that a filter took from a scan are drawn by a self-affine law from the waves that it holds.
+Waves that a filter took from a scan are drawn by a self-affine law, fitted to the waves that the
+scan still holds.
+
+In this module a ring is the set of cosines of a field with the same rounded wave number.
 """
 
 import math
@@ -22,29 +24,32 @@ from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
 
 _EXPONENTS = np.linspace(0.3, 1.0, 36)  # Hurst exponents of walls without noise
-_LONGEST = 4  # first ring whose waves are compared; longer ones are few
-_ROCK_EXPONENTS = 0.5, 1.0  # Hurst exponents of rock, with which lost waves are drawn
+_LONGEST = 4  # first ring that is used to estimate power; rings of longer waves have few waves
+_ROCK_EXPONENTS = 0.5, 1.0  # least and largest Hurst exponent with which lost waves are drawn
 _HELD = 1.3, 4.0
-"""Wavelengths from which lost waves are extrapolated, over that at which half of the power is lost:
-at the shortest a Gaussian filter takes a third of the power."""
-_AMPLIFIED = 5.0  # largest factor by which the rest of a filtered wave is amplified
-_SCALE_WAVES = 8.0  # shortest waves [cells] by which heights of two walls are compared
-_MATED = 0.8  # correlation of these waves from which the scale of two walls is known
-_LEAST_SCALE = 0.02  # least difference of the scales of two walls that is believed; chosen
-_CLEAR_SCALE = 5.0  # standard errors that such a difference must have; chosen
+"""Shortest and longest wavelength from which lost waves are extrapolated, over the wavelength at
+which half of the power is lost. At the shortest a Gaussian filter takes a third of the power."""
+_AMPLIFIED = 5.0  # largest factor by which what a filter left of a wave is amplified
+_SCALE_WAVES = 8.0  # shortest waves [cells] by which the scales of heights are compared
+_MATED = 0.8  # least correlation of these waves from which the ratio of both scales is known
+_LEAST_SCALE = 0.02  # least logarithm of the ratio of both scales that is believed; chosen
+_CLEAR_SCALE = 5.0  # least ratio of this logarithm to its standard error; chosen
 
 
 class ScanErrors(NamedTuple):
-    """Errors of registered walls, in cells of the finest grid that the scans give."""
+    """Errors of the position and of the heights of registered walls.
 
-    offset: np.ndarray  # rotation [rad], x and y of the fit from the position of the upper wall
-    covariance: np.ndarray  # of the offset
-    middle: np.ndarray  # place (x, y) about which it rotates
-    noise: tuple[float, float]  # of the sum of both walls: low and high standard deviation [m]
+    Lengths without a unit are in cells of the finest grid that the scans give.
+    """
+
+    offset: np.ndarray  # (rotation [rad], x, y) of the best fit from the upper wall as registered
+    covariance: np.ndarray  # (3, 3) of the offset
+    middle: np.ndarray  # place (x, y) about which the upper wall rotates
+    noise: tuple[float, float]  # low and high deviation [m] of the noise of the sum of both walls
     holes: np.ndarray  # cells (y, x) without a scanned height
     step: int = 1  # spacing of the joint, in cells of this grid
-    waves: tuple[float, float] = (0.0, 0.0)  # [cells] at which the scans lost half of the power
-    scale: float = 1.0  # heights of the upper wall over those of the lower one
+    waves: tuple[float, float] = (0.0, 0.0)  # wavelengths at which each scan lost half its power
+    scale: float = 1.0  # scale of the upper wall's heights over that of the lower wall's
     lost_square: float = 0.0
     """Mean square difference [m^2] of neighbouring heights that interpolation took, summed over
     both walls."""
@@ -55,9 +60,10 @@ class ScanErrors(NamedTuple):
         return int(self.holes.size)
 
     def displaced(self, upper: np.ndarray, number: int) -> np.ndarray:
-        """Return the upper wall (y, x) [m] at a random place within the errors of the fit.
+        """Return the upper wall (y, x) [m], less its plane, at a random place within its errors.
 
-        Here and below ``number`` is that of the draw, from which its random numbers follow.
+        Cells of holes keep their height. Here and below ``number`` is that of the draw, from which
+        its random numbers follow.
         """
         random = generator(seed_of(1, "registration", number))
         turn, x, y = random.multivariate_normal(self.offset, self.covariance, method="eigh")
@@ -68,7 +74,11 @@ class ScanErrors(NamedTuple):
         return detrended(np.where(self.holes, upper, moved))
 
     def with_other_noise(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
-        """Draw walls (y, x) [m] with another noise, of a size between both estimates."""
+        """Return registered walls (y, x) [m] with other, random noise, each less its plane.
+
+        The size of the noise is drawn between both estimates (``noise``). Cells of holes keep their
+        heights, and a flat wall stays flat.
+        """
         random = generator(seed_of(1, "noise", number))
         variance = random.uniform(*self.noise) ** 2
         part = random.random()
@@ -94,11 +104,12 @@ class ScanErrors(NamedTuple):
         return one, detrended(np.where(self.holes, lower, walls[1]))
 
     def with_lost_waves(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
-        """Draw the short waves that filters took from the scans of walls (y, x) [m].
+        """Return walls (y, x) [m] with the short waves that filters took from their scans.
 
-        Their power is that of a self-affine wall whose longer waves are those that the scan holds.
-        A random part of it is what the filter left of each wave, amplified; the rest are other
-        waves, with the coherence that both walls have at this wavelength.
+        The power of these waves is that of a self-affine wall with the longer waves of the scan. A
+        random part of it comes from what the filter left of each wave, which is amplified. The rest
+        are random waves, with the coherence that both walls have at this wavelength. Each wall is
+        returned less its plane; cells of holes keep their heights.
         """
         random = generator(seed_of(1, "resolution", number))
         exponent = random.uniform(*_ROCK_EXPONENTS)
@@ -124,10 +135,12 @@ class ScanErrors(NamedTuple):
         return one, detrended(np.where(self.holes, lower, drawn[1]))
 
     def with_filled_holes(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
-        """Draw heights in the holes, which are out of contact in walls (y, x) [m] as registered.
+        """Return walls (y, x) [m] with random heights in holes, where they cannot touch otherwise.
 
-        The sum of both walls is interpolated, and departs from that as a random field with its
-        spectrum departs from its interpolation (conditional simulation, Journel & Huijbregts 1978).
+        The sum of both walls is interpolated over the holes. To this is added the departure of a
+        random field, with the spectrum of the sum, from its own interpolation over the holes
+        (conditional simulation, Journel & Huijbregts 1978). The change is made in the upper wall,
+        or in the lower one if the upper one is flat.
         """
         random = generator(seed_of(1, "holes", number))
         together = upper + lower
@@ -139,32 +152,34 @@ class ScanErrors(NamedTuple):
         return upper + change * upper.any(), lower + change * (not upper.any())
 
     def with_one_scale(self, upper: np.ndarray, lower: np.ndarray, number: int) -> Walls:
-        """Return walls (y, x) [m] with one scale of heights, between those of both scans."""
+        """Return walls (y, x) [m] with the same scale of heights, random between both scans'."""
         part = generator(seed_of(1, "scale", number)).random()
         return upper * self.scale**-part, lower * self.scale ** (1.0 - part)
 
 
 def _waves(field: np.ndarray) -> np.ndarray:
-    """Return the amplitudes (y, x) of the cosines of a field."""
+    """Return the amplitudes (y, x) of the cosines of a field (y, x), in the field's units."""
     return scipy.fft.dctn(field, norm="ortho")
 
 
 def _ring_numbers(shape: tuple[int, ...]) -> np.ndarray:
-    """Return the wave number (y, x) of each cosine, in waves over twice the shorter side."""
+    """Return the ring (y, x) of each cosine: its waves over twice the shorter side, rounded."""
     waves = np.hypot(*np.ogrid[tuple(slice(0.0, 1.0 - 1.0 / n, 1j * n) for n in shape)])
     return np.rint(waves * min(shape)).astype(int)
 
 
 def _ring_means(values: np.ndarray) -> np.ndarray:
-    """Return means of values (y, x) over the cosines of each wave number."""
+    """Return the means (rings,) of values (y, x) over the cosines of each ring; 0 without any."""
     ring = _ring_numbers(values.shape).ravel()
     return np.bincount(ring, values.ravel()) / np.maximum(np.bincount(ring), 1)
 
 
 def _coherence(of_sum: np.ndarray, of_difference: np.ndarray, noise: float = 0.0) -> np.ndarray:
-    """Return the coherence that walls had without noise, from powers of their sum and difference.
+    """Return the coherence (rings,) of walls less their noise, from powers (rings,) of two fields.
 
-    Heights count towards the other wall, so that the sum of walls of coherence 1 has no power.
+    The fields are the sum and the difference of the walls, and ``noise`` is the power of noise in
+    each. Heights count towards the other wall, so that the sum of walls of coherence 1 has no
+    power. A negative coherence is returned as 0.
     """
     whole = np.maximum(of_sum + of_difference - 2.0 * noise, np.abs(of_difference - of_sum))
     return np.maximum(of_difference - of_sum, 0.0) / np.where(whole > 0.0, whole, 1.0)
@@ -184,11 +199,13 @@ def _lost_power(square: float, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
-    """Estimate the standard deviation of the noise of the sum of walls (y, x) [m], low and high.
+    """Estimate the standard deviation [m] of the noise in the sum of walls (y, x): low and high.
 
-    Low: the nugget N beside a power A k^(-2H - 2) at wave number k, fitted by Whittle's likelihood,
-    or the least power of the sum in an octave, if that is less. High: that least power, so far as
-    the walls are coherent there; how much of it is another shape of the walls cannot be known.
+    Both are roots of powers of the noise. The low power is that of white noise besides a power A
+    k^(-2H - 2) at wave number k, fitted to the walls by Whittle's likelihood, or the least power of
+    the sum in any octave, if that is less. The high power is nearer to this least power, the more
+    coherent the walls are in its octave: how much of the least power is a true difference of shape
+    cannot be known. Both are 0 if a ring of waves has no power.
     """
     fields = (upper, lower, upper + lower, upper - lower)
     powers = [_waves(field) ** 2 for field in fields]
@@ -220,10 +237,11 @@ def noise_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
 def _extrapolated_power(
     power: np.ndarray, length: float, exponent: float, shape: tuple[int, ...]
 ) -> np.ndarray:
-    """Return the power that a wall had before waves shorter than a length [cells] were lost.
+    """Return the power (rings,) [m2] that a wall had before a filter took its short waves.
 
-    It is that of A k^(-2H - 2) for each ring of wave numbers k, with A from the longer waves and
-    the Hurst exponent H, but at least the power that is left.
+    ``power`` (rings,) is what is left, ``length`` [cells] the wavelength at which half was lost; 0
+    means that none was. The power of short waves is A k^(-2H - 2) at wave number k, with A from the
+    longer waves and the Hurst exponent H, but at least what is left. ``shape`` is that of the wall.
     """
     rings = np.arange(len(power))
     if not length > 0.0 or not power.any():
@@ -240,10 +258,11 @@ def _extrapolated_power(
 
 
 def scale_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
-    """Return heights of the upper over those of the lower wall (y, x), and its relative error.
+    """Return the scale of the upper wall's heights over the lower wall's, and its relative error.
 
-    Waves of both walls of coherence c give log(P/P') / 2 of their powers, with a variance of
-    (1 - c^2)/n from n waves. The scale is 1, and infinitely uncertain, if the walls do not mate.
+    It is found from the long waves of both walls (y, x) [m]. The powers P and P' of n waves with
+    coherence c give log(P/P') / 2 with a variance of (1 - c^2)/n; these are averaged over rings. If
+    the walls do not mate, the ratio is returned as 1 with an infinite error.
     """
     one = _waves(upper)
     other = _waves(lower)
@@ -267,5 +286,5 @@ def scale_of(upper: np.ndarray, lower: np.ndarray) -> tuple[float, float]:
 
 
 def scales_differ(scale: float, error: float) -> bool:
-    """Return whether the heights of two walls clearly have different scales."""
+    """Return whether a ratio ``scale`` of heights, with its relative error, is clearly not 1."""
     return abs(math.log(scale)) > max(_LEAST_SCALE, _CLEAR_SCALE * error)

@@ -1,8 +1,9 @@
-"""Scans whose spectrum ends at a circle of wave numbers, near that of the shortest waves of a grid.
+"""Circular end of the spectrum of a scan, near the shortest waves of its grid, and noise beyond it.
 
-An instrument's blur, or a filter that is equal in all directions, leaves no waves in the corners of
-the square of wave numbers that a grid has. The heights of such a scan grow with distance as those
-of a rough wall without noise, so that fits of the growth understate noise. The corners show it.
+The wave numbers of a grid fill a square. An instrument's blur, or a filter that is equal in all
+directions, leaves no waves of the wall in the corners of the square, outside of a circle. Height
+differences of such a scan grow with distance as those of a rough wall without noise do, so that a
+fit of this growth understates the noise. The power in the corners shows it.
 """
 
 import math
@@ -17,18 +18,20 @@ from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.planes import detrended
 
 CLEAR = 6.0
-"""Difference of log likelihoods from which a spectrum ends at a circle. The largest of undamaged
-walls is in benchmarks/results/scan_defects/warnings.csv, with the scans that are recognised."""
-_RADII = np.linspace(0.7, 1.1, 9)
-"""Radii of the circles that are compared, over the largest wave number along an axis."""
-_LONGEST = 0.3  # wave number from which spectra are compared, in the same unit
-_WIDTH = 0.025  # of the rings of wave numbers, in the same unit
-_LEAST = 24  # cells along the shorter side, below which a scan has too few of these waves
+"""Difference of log likelihoods above which a spectrum counts as ending at a circle. The largest
+difference of undamaged walls, and those of scans that are recognised, are in
+benchmarks/results/scan_defects/warnings.csv."""
+
+# Wave numbers of this module are over the largest wave number of the grid along an axis.
+_RADII = np.linspace(0.7, 1.1, 9)  # radii (wave numbers) of the circles that are compared
+_LONGEST = 0.3  # least wave number of the waves by which spectra are compared
+_WIDTH = 0.025  # width of the rings of wave numbers over which powers are averaged
+_LEAST = 24  # fewest cells along the shorter side of a scan that is judged
 _DIAGONAL = math.tan(math.radians(25.0))
-"""Least ratio of the wave numbers along both axes of the waves that are compared: those along the
-axes do not reach the corners, and walls may differ between directions."""
+"""Least ratio of the smaller wave number of a wave, along x or y, to the larger one. Waves nearer
+to an axis are left out: they do not reach the corners, and walls may differ between directions."""
 _EXPONENTS = np.linspace(0.3, 1.0, 15)  # Hurst exponents of the walls that are compared
-_REWEIGHTED = 4  # weighted least squares fits, which come close to the likeliest powers
+_REWEIGHTED = 4  # rounds of weighted least squares, which come close to the likeliest powers
 
 
 class SpectrumEnd(NamedTuple):
@@ -37,35 +40,37 @@ class SpectrumEnd(NamedTuple):
     wave: float  # wavelength [m] of the circle
     noise: float  # standard deviation [m] of white noise that has the power beyond the circle
     waves_beyond: int  # number of waves beyond the circle
-    clarity: float  # log likelihood of this spectrum, over that of one without an end
+    clarity: float  # log likelihood of this spectrum less that of a spectrum without an end
 
     @property
     def clear(self) -> bool:
-        """Whether the spectrum ends at the circle more likely than it goes on."""
+        """Whether it is clear that the spectrum ends at the circle (`CLEAR`)."""
         return self.clarity > CLEAR
 
     @property
     def noise_interval(self) -> tuple[float, float]:
-        """The 95 % interval of the noise [m], from the number of waves beyond the circle."""
+        """The 95 % interval (low, high) of the noise [m], from the number of waves beyond."""
         low, high = scipy.stats.chi2.ppf([0.025, 0.975], self.waves_beyond)
         scales = (self.waves_beyond / high, self.waves_beyond / low)
         return self.noise * math.sqrt(scales[0]), self.noise * math.sqrt(scales[1])
 
 
 class _Rings(NamedTuple):
-    """Means of wave numbers and powers [m^2] of rings of waves near the diagonals, and numbers."""
+    """Rings of waves near the diagonals of a scan's square of wave numbers: arrays (rings,)."""
 
-    wave: np.ndarray
-    power: np.ndarray
-    number: np.ndarray
+    wave: np.ndarray  # mean wave number
+    power: np.ndarray  # mean power [m^2]
+    number: np.ndarray  # of waves
 
 
 def spectrum_end(scan: Scan) -> SpectrumEnd | None:
     """Return the circle at which the spectrum of a scanned grid ends most likely.
 
-    Powers of its waves are compared with two spectra, by Whittle's likelihood. One is that of a
-    self-affine wall, to the corners of the square of wave numbers, with white noise. The other ends
-    at a circle, with white noise beyond it too. None without enough waves on a square grid.
+    The powers of its waves are compared with two spectra, by Whittle's likelihood. The first is
+    that of a self-affine wall with white noise, up to the corners of the square of wave numbers. In
+    the second the wall ends at a circle, and only the noise continues. `SpectrumEnd.clear` tells
+    whether the second is clearly the better one. None if the cells are not square, the grid is too
+    small, or more than half of the heights are missing.
     """
     dy, dx = scan.spacing
     if min(scan.heights.shape) < _LEAST or not math.isclose(dy, dx, rel_tol=0.01):
@@ -81,7 +86,10 @@ def spectrum_end(scan: Scan) -> SpectrumEnd | None:
 
 
 def _rings(heights: np.ndarray) -> _Rings | None:
-    """Return the powers of heights (y, x) [m] in rings; None if the heights are flat."""
+    """Return the powers of heights (y, x) [m] in rings; None if a ring has no power.
+
+    Missing heights are interpolated; None too if more than half of them are missing.
+    """
     known = np.isfinite(heights)
     if known.mean() < 0.5:
         return None
@@ -100,7 +108,10 @@ def _rings(heights: np.ndarray) -> _Rings | None:
 
 @lru_cache(maxsize=4)
 def _ring_of_waves(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return wave number and ring (y, x) of each cosine; ring -1 for those left out."""
+    """Return the wave number (y, x) of each cosine of a grid, and the number (y, x) of its ring.
+
+    Cosines that are not compared, as they are too long or too near to an axis, have the ring -1.
+    """
     y, x = np.ogrid[tuple(slice(0.0, 1.0 - 1.0 / n, 1j * n) for n in shape)]
     wave = np.hypot(y, x)
     kept = (np.minimum(y, x) > _DIAGONAL * np.maximum(y, x)) & (wave > _LONGEST)
@@ -108,9 +119,10 @@ def _ring_of_waves(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _likeliest(rings: _Rings, radius: float) -> tuple[float, float]:
-    """Return the largest log likelihood of a spectrum that ends at a radius, and its noise [m^2].
+    """Return the largest log likelihood of a spectrum that ends at a ``radius``, and its noise.
 
-    The spectrum is A k^(-2H - 2) at wave numbers k within the radius, and white noise everywhere.
+    The spectrum is A k^(-2H - 2) at wave numbers k within the radius, plus white noise at all wave
+    numbers, whose power [m^2] is returned. A, H and the noise are fitted.
     """
     fits = []
     scale = float(rings.power[-1])  # keeps columns of one size

@@ -1,6 +1,7 @@
-"""Heights of one scan on a grid, with the slopes of their plane, as a fit of two walls needs them.
+"""Surface: heights of one scan on a square grid, from which the position of two walls is fitted.
 
-Unlike a wall, a surface may lack heights, and has a place in the frame of its scan.
+Unlike a wall of a joint, a surface may lack heights, keeps its inclination, and has a place in the
+frame of its scan.
 """
 
 from typing import NamedTuple
@@ -12,11 +13,15 @@ from jointclosure.walls import gridding
 from jointclosure.walls.gridding import Cloud
 from jointclosure.walls.planes import plane_through
 
-LEAST_KNOWN_WEIGHT = 0.9  # share of a mean's weights that known heights must have
+LEAST_KNOWN_WEIGHT = 0.9  # least share of the weights of a mean that must be those of known heights
 
 
 class Surface(NamedTuple):
-    """Heights (y, x) [m], NaN where missing, of square cells, the first one at ``low`` (x, y)."""
+    """Surface of a scanned wall: ``heights`` (y, x) [m] of square cells, NaN where missing.
+
+    ``low`` (x, y) [m] is the place of the first cell, ``spacing`` [m] is that of the grid, and
+    ``slopes`` are those of the mean plane along x and y.
+    """
 
     heights: np.ndarray
     low: np.ndarray
@@ -25,18 +30,22 @@ class Surface(NamedTuple):
 
     @property
     def middle(self) -> np.ndarray:
-        """Middle (x, y, z) of the wall [m]."""
+        """Middle (x, y, z) [m] of the surface: that of its grid, at the mean height."""
         size = np.array(self.heights.shape[::-1]) - 1.0
         return np.append(self.low + 0.5 * self.spacing * size, np.nanmean(self.heights))
 
     @property
     def plane(self) -> np.ndarray:
-        """Heights (y, x) [m] of its plane, 0 at the first cell."""
+        """Heights (y, x) [m] of the plane with the surface's slopes, 0 at the first cell."""
         y, x = np.indices(self.heights.shape) * self.spacing
         return self.slopes[0] * x + self.slopes[1] * y
 
     def smoothed(self, width: float) -> np.ndarray:
-        """Return Gaussian means (y, x) [m] of a width in cells, NaN with too few known heights."""
+        """Return Gaussian means (y, x) [m] of the heights; ``width`` is their deviation [cells].
+
+        They are NaN where known heights have less than `LEAST_KNOWN_WEIGHT` of the weights. The
+        plane is kept: only departures from it are smoothed.
+        """
         level = self.heights - self.plane
         known = np.isfinite(level)
         middle = np.nanmean(level)
@@ -48,7 +57,10 @@ class Surface(NamedTuple):
 
 
 def surface_of(points: np.ndarray, spacing: float) -> Surface:
-    """Return points (n, 3) [m], NaN where a height is missing, on a grid."""
+    """Return the surface of points (n, 3) [m] on a grid; NaN are heights that are missing.
+
+    Raise `InputError` as `gridding.wall_on_grid`.
+    """
     plane = plane_through(*points[np.isfinite(points[:, 2])].T)
     slopes = (plane.slope_x, plane.slope_y)
     low = points[:, :2].min(axis=0)
@@ -58,5 +70,8 @@ def surface_of(points: np.ndarray, spacing: float) -> Surface:
 
 
 def gaussian_sums(values: np.ndarray, width: float, truncate: float) -> np.ndarray:
-    """Return Gaussian sums (y, x) of values (y, x), which count as 0 beyond their edges."""
+    """Return sums (y, x) of values (y, x) by Gaussian weights of a standard deviation [cells].
+
+    Weights end at ``truncate`` times the ``width``. Values beyond the edges count as 0.
+    """
     return scipy.ndimage.gaussian_filter(values, width, mode="constant", truncate=truncate)

@@ -14,14 +14,19 @@ from jointclosure.walls import Walls
 from jointclosure.walls.jrc import DEFAULT_RELATION, rms_slope, z2_of_jrc
 from jointclosure.walls.planes import detrended
 
-RULES = ("self_affine", "walk")  # relations between the long and the short waves of a wall
-NORMALISATIONS = ("wall", "expectation")  # the slope is that of every wall, or of the average
+RULES = ("self_affine", "walk")  # spectra of walls, see `wall_pair`
+NORMALISATIONS = ("wall", "expectation")  # whether each wall has the RMS slope, or walls on average
 ROLL_OFF = 3e-3  # wavelength [m] beyond which spectra are flat (docs/decisions.md#0013-readings)
 _LN2 = 0.6931471805599453  # natural logarithm of 2
 
 
 class Spectrum(NamedTuple):
-    """Power spectrum of heights: k^(-2 (H + 1)), or a "walk"; flat beyond ``roll_off`` [cells]."""
+    """Power spectrum of the heights of synthetic walls.
+
+    By the ``rule`` "self_affine" the power is k^(-2 (H + 1)) at wave number k, with the exponent H
+    ``hurst``; by the rule "walk" it is that of independent slopes, see `squares`. It is constant at
+    wavelengths beyond ``roll_off`` [cells]; None: without such a limit.
+    """
 
     hurst: float
     rule: str = "self_affine"
@@ -33,11 +38,13 @@ class Spectrum(NamedTuple):
         return -1.0 if self.rule == "walk" else -(self.hurst + 1.0)
 
     def squares(self, ny: int, wave_x: np.ndarray) -> np.ndarray:
-        """Return squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
+        """Return the squared wave numbers (ny, nx) [1/cell^2] of the waves of a periodic grid.
 
-        That of the mean is set to 1. For a walk they are those of differences, |d|^2 =
-        4 sin^2(pi f), over (2 pi)^2: the heights that minimise sum (d_x z - g_x)^2 + (d_y z -
-        g_y)^2 for white slopes g have the power 1/(|d_x|^2 + |d_y|^2).
+        ``wave_x`` (nx,) are the wave numbers [1/cell] along x. Squares are not below that of the
+        roll-off. The square of the mean, which has no wave number, is set to 1. For a walk squares
+        are replaced by the squared factors |d|^2 = 4 sin^2(pi f) of height differences, over (2
+        pi)^2: the heights z that minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 for white slopes g
+        have the power 1/(|d_x|^2 + |d_y|^2).
         """
         wave_y = scipy.fft.fftfreq(ny)[:, None]
         wave_x = wave_x[None, :]
@@ -53,9 +60,9 @@ class Spectrum(NamedTuple):
 def gaussian_field(
     shape: tuple[int, int], spectrum: Spectrum, random: np.random.Generator, oversize: int = 2
 ) -> np.ndarray:
-    """Return Gaussian heights (y, x) of a spectrum.
+    """Return random Gaussian heights (y, x) with a spectrum, on an arbitrary scale.
 
-    They are the corner of a periodic grid with sides ``oversize`` times as long.
+    They are cut from a corner of a periodic grid, whose sides are ``oversize`` times as long.
     """
     ny, nx = (oversize * max(n, 2) for n in shape)
     waves = _random_waves((ny, nx), spectrum, random)
@@ -65,14 +72,20 @@ def gaussian_field(
 def _random_waves(
     size: tuple[int, int], spectrum: Spectrum, random: np.random.Generator
 ) -> np.ndarray:
-    """Return Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
+    """Return random Fourier coefficients of Gaussian heights on a periodic grid of ``size`` (y, x).
+
+    They are arranged as by `scipy.fft.rfft2`.
+    """
     noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
     return noise * _amplitudes(*size, spectrum)
 
 
 @lru_cache(maxsize=8)
 def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
-    """Return amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
+    """Return the amplitudes (ny, nx // 2 + 1) of the waves of a spectrum; that of the mean is 0.
+
+    They are arranged as by `scipy.fft.rfft2`, and cannot be written to, as they are kept.
+    """
     squares = spectrum.squares(ny, scipy.fft.rfftfreq(nx))
     amplitudes = power(squares, 0.5 * spectrum.exponent)
     amplitudes[0, 0] = 0.0
@@ -81,19 +94,23 @@ def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
 
 
 def wave_numbers(ny: int, nx: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return wave numbers of `scipy.fft.rfft2` [1/cell], along y (ny, 1) and along x (1, waves)."""
+    """Return the wave numbers [1/cell] of a grid along y (ny, 1) and along x (1, nx // 2 + 1).
+
+    They are those of the coefficients of `scipy.fft.rfft2`.
+    """
     return scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :]
 
 
 def _sines(wave: np.ndarray) -> np.ndarray:
-    """Return sin(pi f) of wave numbers f, with the same bits on any processor, as `power`."""
+    """Return sin(pi f) of wave numbers f [1/cell], with the same bits on any processor."""
     return np.vectorize(math.sin)(np.pi * wave)
 
 
 def power(base: np.ndarray, exponent: float) -> np.ndarray:
-    """Raise a positive array to a power with the same bits on any processor, unlike `numpy.power`.
+    """Raise the numbers of a positive array to a power, with the same bits on any processor.
 
-    Log is the series of 2 atanh((m - 1)/(m + 1)), exp that of Taylor: relative error 5e-15.
+    `numpy.power` does not have the same bits. The logarithm is the series of 2 atanh((m - 1)/(m +
+    1)) with the mantissa m, the exponential is the Taylor series; the relative error is 5e-15.
     """
     mantissa, two = np.frexp(base)
     small = mantissa < np.sqrt(0.5)
@@ -121,7 +138,11 @@ def synthetic_wall(
     random: np.random.Generator,
     normalise: str = "wall",
 ) -> np.ndarray:
-    """Generate one wall (y, x) [m] of RMS slope ``z2``, detrended; ``normalise`` as `wall_pair`."""
+    """Return a random wall (y, x) [m] less its plane, with the RMS slope ``z2`` at a spacing [m].
+
+    By ``normalise`` "wall" it has this slope exactly, by "expectation" such walls have it on
+    average.
+    """
     field = detrended(gaussian_field(shape, spectrum, random))
     if normalise == "wall":
         return field * (z2 / rms_slope(field, spacing))
@@ -231,18 +252,18 @@ def wall_pair(
 
 
 def generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
-    """Return the random generators of the upper and of the lower wall."""
+    """Return the random generators of the upper and of the lower wall of a seed."""
     return generator(seed_of(seed, "upper")), generator(seed_of(seed, "lower"))
 
 
 def scaled_together(
     upper: np.ndarray, lower: np.ndarray, z2: float, spacing: float, slope: float | None = None
 ) -> Walls:
-    """Return two walls (y, x) [m] scaled by one factor to an RMS slope ``z2``.
+    """Return two walls (y, x) [m] multiplied by the same factor, ``z2`` over ``slope``.
 
-    ``slope`` is the RMS slope that they count as having before, by default that of both walls
-    together. It may be the slope that is expected of such walls, which then have ``z2`` only in the
-    mean. ``spacing`` is that of the grid [m].
+    By default ``slope`` is the RMS slope of both walls together at the ``spacing`` [m], so that
+    they then have the RMS slope ``z2``. If it is the expected slope of such walls, they have ``z2``
+    on average only.
     """
     if slope is None:
         slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]))
@@ -252,9 +273,11 @@ def scaled_together(
 def _partly_mated(
     wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
 ) -> Walls:
-    """Generate walls (y, x) [cells] whose waves beyond a wavelength [cells] are common, others not.
+    """Return walls, each less its plane, that have their waves beyond a ``wavelength`` in common.
 
-    The upper wall is shifted along x by some cells.
+    Shorter waves are independent. ``wide`` (y, x) are the cells of the walls before they are cut:
+    the upper wall is shifted along x by ``shift`` cells, which both walls lose. The wavelength is
+    in cells, and the scale of heights is arbitrary.
     """
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (_random_waves(size, spectrum, random) for random in generators(seed))
@@ -266,7 +289,7 @@ def _partly_mated(
 
 
 def check_roll_off(roll_off: float | None, length: float) -> None:
-    """Raise `InputError` if a roll-off, other than the usual one, exceeds the walls [m]."""
+    """Raise `InputError` if a roll-off [m] exceeds both the walls' length [m] and `ROLL_OFF`."""
     if roll_off is not None and roll_off > max(length, ROLL_OFF):
         raise InputError(
             f"roll_off = {roll_off!r} m: must be at most the longer side of the walls, "
@@ -275,7 +298,10 @@ def check_roll_off(roll_off: float | None, length: float) -> None:
 
 
 def check_mismatch(wavelength: float | None, correlation: float) -> None:
-    """Raise `InputError` for an invalid mismatch wavelength [m], or one with a correlation."""
+    """Raise `InputError` for an invalid mismatch wavelength [m], or one beside a correlation.
+
+    None, for no mismatch wavelength, is allowed.
+    """
     if wavelength is None:
         return
     check_number("mismatch_wavelength", wavelength)
@@ -306,7 +332,10 @@ def _check_wall_arguments(
 
 
 def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float) -> Spectrum:
-    """Return the spectrum of a wall's settings; raise `InputError` if one is not allowed."""
+    """Return the spectrum of synthetic walls with a Hurst exponent, a rule and a roll-off [m].
+
+    Raise `InputError` for an unknown rule, or a roll-off below two spacings [m].
+    """
     check_one_of("rule", rule, RULES)
     if roll_off is None:
         return Spectrum(hurst, rule)
@@ -320,7 +349,7 @@ def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float)
 
 
 def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: float) -> float:
-    """Return the expected RMS slope of `gaussian_field`, from its spectrum."""
+    """Return the expected RMS slope, at a spacing [m], of `gaussian_field` taken as metres."""
     ny, nx = (2 * max(n, 2) for n in shape)
     wave_y = scipy.fft.fftfreq(ny)[:, None]
     wave_x = scipy.fft.fftfreq(nx)[None, :]

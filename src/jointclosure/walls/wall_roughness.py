@@ -1,4 +1,4 @@
-"""Roughness of a wall with intervals: slopes, JRC, Hurst exponent, curvature, peaks."""
+"""Roughness of a wall with confidence intervals: slopes, JRC, Hurst exponent, curvature, peaks."""
 
 import itertools
 import math
@@ -16,10 +16,11 @@ from jointclosure.walls.synthesis import Spectrum, synthetic_wall
 TILES = 6
 """Tiles along the shorter side of a wall. The bootstrap draws whole tiles, because neighbouring
 cells depend on each other."""
-SMALLEST_WALL = 24  # cells along the shorter side: four for each tile
+SMALLEST_WALL = 24  # fewest cells along the shorter side: four for each tile
 SCATTER_SAMPLES = 100
-"""Synthetic walls or profiles whose scatter gives the intervals of measures of long waves."""
-LARGEST_DRAW = 400  # most cells along a side of these walls
+"""Number of synthetic walls, or profiles, whose scatter gives the intervals of measures that depend
+on the longest waves."""
+LARGEST_DRAW = 400  # largest number of cells along a side of these synthetic walls
 TAIL = 50.0 * (1.0 - 0.95)  # percentage beyond each limit of a 95 % interval
 _SEED = 1  # of the random numbers of intervals, which are the same for all walls
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
@@ -40,16 +41,22 @@ class Measure(NamedTuple):
 
 
 def measure_of(name: str, values: np.ndarray, unit: str = "1", remark: str = "") -> Measure:
-    """Return a measure from ``values`` (1 + n,): its value, and values that scatter as it does."""
+    """Return a measure with its 95 % interval from ``values`` (1 + n,).
+
+    The first of these is its value; the interval has the middle 95 % of the others, which scatter
+    as the value would in repeated samples. NaN among them are ignored.
+    """
     low, high = np.nanpercentile(values[1:], [TAIL, 100.0 - TAIL])
     return Measure(name, float(values[0]), float(low), float(high), unit, remark)
 
 
 def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) -> list[Measure]:
-    """Measure a wall (y, x) [m] less its plane, NaN where missing; see docs/two_scans.md.
+    """Return the measures of roughness of a wall (y, x) [m] less its plane; see docs/two_scans.md.
 
-    Intervals of local quantities are from so many ``resamples``. Raise `InputError` if the wall is
-    too small, level, or has too few heights.
+    Missing heights are NaN; ``spacing`` [m] is that of the grid. Curvature and peaks have intervals
+    by a bootstrap of so many ``resamples`` of tiles; the others by the scatter of synthetic walls.
+    Raise `InputError` if the wall has fewer than `SMALLEST_WALL` cells along a side, if all its
+    heights are equal, or if no three neighbouring cells along x or along y have heights.
     """
     if min(heights.shape) < SMALLEST_WALL:
         size = heights.shape
@@ -97,14 +104,19 @@ def measure_wall(heights: np.ndarray, spacing: float, *, resamples: int = 1000) 
 
 
 def lags_of(cells: int) -> np.ndarray:
-    """Return distances [cells] at about equal ratios, from one cell to a quarter of the wall."""
+    """Return the distances [cells] over which heights of a wall of so many cells are compared.
+
+    They are at most 14, from one cell to a quarter of the wall, with about equal ratios.
+    """
     return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
 
 
 def height_differences(heights: np.ndarray, axis: str, lag: int, order: int = 1) -> np.ndarray:
-    """Return differences of a wall (y, x) over ``lag`` cells along an axis, of an ``order``.
+    """Return the height differences of a wall (y, x) [m] over ``lag`` cells along an axis.
 
-    That of order 1 is the height further along the axis less the height of the cell.
+    A difference of order 1 is the height further along the axis less that of the cell. A difference
+    of order 2 is that of two such neighbouring differences. Each order takes ``lag`` cells from the
+    axis. A difference with a missing height is NaN.
     """
     along = heights.T if axis == "x" else heights
     for _ in range(order):
@@ -113,7 +125,11 @@ def height_differences(heights: np.ndarray, axis: str, lag: int, order: int = 1)
 
 
 def increments(heights: np.ndarray, spacing: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return distances [m], and RMS first and second height differences over them along x and y."""
+    """Return distances (n,) [m], and the RMS height differences (n,) [m] of a wall over these.
+
+    Differences are by name: "x" and "y" for first differences along the axes, "second_x" and
+    "second_y" for second ones. NaN are ignored.
+    """
     lags = lags_of(min(heights.shape))
     rms = {}
     for (order, prefix), axis in itertools.product(((1, ""), (2, "second_")), "xy"):
@@ -125,15 +141,17 @@ def increments(heights: np.ndarray, spacing: float) -> tuple[np.ndarray, dict[st
 def hurst_of(heights: np.ndarray) -> float:
     """Return the Hurst exponent of a wall (y, x) by second differences of its heights.
 
-    First differences give values that are lower by 0.1 and more.
+    Differences along x and y are used together. First differences would give values that are lower
+    by 0.1 and more.
     """
     return _long_wave_measures(heights, 1.0)[_EXPONENTS[2]]
 
 
 def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]:
-    """Return measures that scatter with the longest waves of a wall (y, x), of which it has few.
+    """Return the measures of a wall (y, x) [m] whose scatter is due to its few longest waves.
 
-    They are the rms height [m], RMS slopes Z2, and Hurst exponents.
+    They are, by name, the rms height [m], the RMS slopes Z2 at the spacing and at other numbers of
+    cells, and the Hurst exponents.
     """
     distances, rms = increments(heights, spacing)
     both = np.hypot(rms["x"][0], rms["y"][0]) / np.sqrt(2.0)
@@ -152,9 +170,9 @@ def _long_wave_measures(heights: np.ndarray, spacing: float) -> dict[str, float]
 
 
 def hurst_of_squares(distances: np.ndarray, squares: np.ndarray) -> float:
-    """Return the Hurst exponent: half the slope of log mean squares over log distances (n,).
+    """Return the Hurst exponent of mean squared height differences (n,) at distances (n,).
 
-    The shortest distance is left out.
+    It is half the slope of the line through their logarithms. The first distance is left out.
     """
     logs = np.log(distances[1:]) - np.mean(np.log(distances[1:]))
     return float(0.5 * np.tensordot(logs, np.log(squares[1:]), axes=1) / np.sum(logs**2))
@@ -163,10 +181,11 @@ def hurst_of_squares(distances: np.ndarray, squares: np.ndarray) -> float:
 def _scattered_measures(
     scaling: dict[str, float], shape: tuple[int, ...], spacing: float
 ) -> dict[str, np.ndarray]:
-    """Return each measure of a wall (1 + SCATTER_SAMPLES,).
+    """Return for each measure of a wall its value and values that scatter about it, by name.
 
-    The first is its value, the others scatter as it does. The scatter is that of synthetic walls
-    with the Hurst exponent and slope of the wall.
+    Arrays (1 + SCATTER_SAMPLES,) begin with the value in ``scaling`` (`_long_wave_measures`). The
+    scatter is that of synthetic walls with the Hurst exponent, slope and ``shape`` of the wall, of
+    at most `LARGEST_DRAW` cells along a side.
     """
     spectrum = Spectrum(min(max(scaling[_EXPONENTS[2]], 0.05), 1.0))
     size = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
@@ -184,9 +203,10 @@ def _scattered_measures(
 
 
 def scattered(name: str, value: float, drawn: np.ndarray) -> np.ndarray:
-    """Return values (n,) that scatter about a ``value`` as the drawn ones (n,) about their mean.
+    """Return values (n,) that scatter about a ``value`` as the ``drawn`` (n,) about their mean.
 
-    For Hurst exponents their differences from the mean are kept, for other measures their ratios.
+    Measures whose ``name`` begins with "H", Hurst exponents, keep the differences of the drawn
+    values from their mean. Other measures keep the ratios of the drawn values to their mean.
     """
     if name.startswith("H"):
         return value + drawn - drawn.mean()
@@ -194,7 +214,10 @@ def scattered(name: str, value: float, drawn: np.ndarray) -> np.ndarray:
 
 
 def _local_quantities(heights: np.ndarray, spacing: float) -> Iterator[tuple[str, np.ndarray]]:
-    """Generate quantities of single cells: name, and values (y, x), NaN where undefined."""
+    """Generate the quantities of single cells of which a wall (y, x) [m] has means.
+
+    Each is a name with values (y, x), or fewer, as differences take cells; NaN where undefined.
+    """
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
         yield f"curvature {axis}", (height_differences(heights, axis, 1, 2) / spacing**2) ** 2
@@ -208,7 +231,11 @@ def _local_quantities(heights: np.ndarray, spacing: float) -> Iterator[tuple[str
 
 
 def peak_cells(heights: np.ndarray, diagonal: bool = True) -> np.ndarray:
-    """Return whether a cell (y, x) is above its eight or four neighbours; not at edges and gaps."""
+    """Return which cells (y, x) are peaks: higher than all eight neighbours.
+
+    Without ``diagonal`` only the four neighbours along x and y count. Cells at the edges and beside
+    missing heights are no peaks.
+    """
     around = np.where(np.isnan(heights), np.inf, heights)
     ring = np.array([[diagonal, 1, diagonal], [1, 0, 1], [diagonal, 1, diagonal]])
     highest = scipy.ndimage.maximum_filter(around, footprint=ring, mode="constant", cval=np.inf)
@@ -216,7 +243,10 @@ def peak_cells(heights: np.ndarray, diagonal: bool = True) -> np.ndarray:
 
 
 def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
-    """Return -(z_xx + z_yy) / 2 [1/m] by second differences: positive on peaks, NaN at edges."""
+    """Return the mean curvature (y, x) [1/m] of a wall, -(z_xx + z_yy) / 2 by second differences.
+
+    It is positive on peaks, and NaN at the edges and beside missing heights.
+    """
     here = 2.0 * heights[1:-1, 1:-1]
     along_x = (heights[1:-1, :-2] - here + heights[1:-1, 2:]) / spacing**2
     along_y = (heights[:-2, 1:-1] - here + heights[2:, 1:-1]) / spacing**2
@@ -224,7 +254,11 @@ def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dict[str, np.ndarray]:
-    """Return the mean of each local quantity, and its means in resamples: (1 + resamples,)."""
+    """Return the means of the local quantities of a wall, by name: arrays (1 + resamples,).
+
+    The first is the mean over the wall, the others are those over tiles drawn with replacement
+    (bootstrap of `TILES` tiles along the shorter side).
+    """
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
@@ -245,13 +279,16 @@ def _resampled_means(heights: np.ndarray, spacing: float, resamples: int) -> dic
 
 
 def lag_of(interval: float, spacing: float) -> int:
-    """Return an interval [m] in cells, or 0 if it is not a whole number of cells."""
+    """Return an interval [m] as a number of cells of a ``spacing`` [m]; 0 if it is not whole."""
     ratio = interval / spacing
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
 
 
 def lags_beside(interval: float, spacing: float) -> tuple[int, ...]:
-    """Return the whole numbers of cells at an interval [m]: it, or those below and above it."""
+    """Return the numbers of cells at an interval [m]: its own if whole, else those beside it.
+
+    The result is empty if the interval is shorter than a cell.
+    """
     if lag := lag_of(interval, spacing):
         return (lag,)
     below = int(interval / spacing)
@@ -259,13 +296,16 @@ def lags_beside(interval: float, spacing: float) -> tuple[int, ...]:
 
 
 def lags_of_relations(spacing: float, largest: int) -> list[int]:
-    """Return the numbers of cells, up to the largest, beside the intervals of `RELATIONS`."""
+    """Return the numbers of cells at or beside the intervals of `RELATIONS`, up to ``largest``."""
     lags = {lag for one in RELATIONS.values() for lag in lags_beside(one.interval, spacing)}
     return sorted(lag for lag in lags if lag <= largest)
 
 
 def joint_jrc(walls: Iterable[np.ndarray], spacing: float) -> float:
-    """Return the mean JRC of the walls (y, x) [m] of a joint; NaN if all are flat."""
+    """Return the mean JRC, by `DEFAULT_RELATION`, of the walls (y, x) [m] of a joint.
+
+    Flat walls do not count; it is NaN if all walls are flat.
+    """
     rough = [wall for wall in walls if rms_slope(wall, spacing) > 0.0]
     jrcs = [jrc_of_z2(rms_slope(wall, spacing), spacing, hurst_of(wall)) for wall in rough]
     return float(np.mean(jrcs)) if jrcs else float("nan")
@@ -278,12 +318,12 @@ def slope_over_interval(
     spacing: float,
     hurst: float | np.ndarray,
 ) -> tuple[np.ndarray, str]:
-    """Return the slope (n,) at an interval [m], and how it was found.
+    """Return the RMS slope Z2 (n,) at an interval [m], and in words how it was found.
 
-    It is that of heights so far apart ("Z2 at" so many cells in ``scatter``), or a power of the
-    distance between those of the numbers of cells below and above. Otherwise the ``slope`` (n,) at
-    the spacing [m] is carried to the interval by the Hurst exponent, of at most 1: no slope rises
-    with the distance.
+    If ``scatter`` has the slopes at the interval's number of cells ("Z2 at 4", for example), these
+    are returned. If it has those at the numbers of cells below and above the interval, a power law
+    of the distance interpolates. Otherwise the ``slope`` (n,) at the ``spacing`` [m] is carried to
+    the interval by the Hurst exponent, but by at most 1, as no slope rises with the distance.
     """
     lags = lags_beside(interval, spacing)
     known = [scatter[f"Z2 at {lag}"] for lag in lags if f"Z2 at {lag}" in scatter]
@@ -300,9 +340,11 @@ def slope_over_interval(
 
 
 def jrc_of_relation(relation: Relation, slope: np.ndarray, how: str) -> tuple[np.ndarray, str]:
-    """Return JRC (n,) by a relation for slopes (n,) at its interval, and a remark.
+    """Return the JRC (n,) by a relation for RMS slopes (n,) at its interval, and a remark.
 
-    ``how`` describes how the slopes were found (`slope_over_interval`).
+    The first slope is the measured one, the others give its interval. ``how`` describes how they
+    were found (`slope_over_interval`). The remark says so, in which range of JRC the relation
+    holds, and whether the JRC or its 95 % interval leaves that range.
     """
     jrc = relation.jrc(slope)
     least, most = relation.smallest_jrc, relation.largest_jrc

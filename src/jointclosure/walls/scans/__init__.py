@@ -17,11 +17,11 @@ from jointclosure.walls.scans.points import contents_of
 
 
 class Format(NamedTuple):
-    """Format of files, and the function that reads it."""
+    """Format of scan files, and the function that reads files of this format."""
 
-    title: str  # in messages
+    title: str  # of the format in messages
     read: Callable[..., Contents]
-    named: bool = False  # whether `read` takes the name of a variable
+    named: bool = False  # whether `read` takes the name of a variable besides the path
     in_parts: bool = (
         False  # whether sizes are checked before values are read, so files may be large
     )
@@ -47,8 +47,9 @@ BY_SUFFIX = {
         "a MATLAB file (up to version 7.2: save with -v7)", grids.read_matlab, True, True
     ),
 }
-"""Formats by suffix of a file's name. Others are text, or files of scanners (SurfaceTopography)."""
-LONGEST_HEAD = 65_536  # first bytes that show whether a file is text, and of which instrument
+"""Formats by the suffix of a file's name. Files with other suffixes are read as text, or as files
+of scanners (SurfaceTopography)."""
+LONGEST_HEAD = 65_536  # number of first bytes that show whether a file is text or an instrument's
 BY_CONTENT = {b"ncols": Format("an ESRI grid", grids.read_esri)} | {
     mark: Format("a Surfer grid", functools.partial(grids.read_raster, driver=name), in_parts=True)
     for mark, name in grids.SURFER.items()
@@ -69,7 +70,7 @@ _STARTS = {
     b"\x89PNG": "a PNG picture, which has no heights",
     b"\xff\xd8\xff": "a JPEG picture, which has no heights",
 }
-"""What a file that cannot be read is most like, by its first bytes."""
+"""Words for messages on files that cannot be read: the format that their first bytes indicate."""
 
 
 def read_scan(
@@ -152,14 +153,17 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
 
 
 def _entry_by_first_bytes(path: Path, marks: dict) -> Any:
-    """Return the entry of ``marks`` for the first bytes of a file, None if there is none."""
+    """Return the entry of ``marks`` whose key the file begins with; None if there is none.
+
+    Case and leading blanks are ignored.
+    """
     with path.open("rb") as file:
         start = file.read(64).lstrip().lower()
     return next((marks[mark] for mark in marks if start.startswith(mark.lower())), None)
 
 
 def _format_of(path: Path) -> Format:
-    """Return the format of a file by its content, otherwise by its name."""
+    """Return the format of a file by its first bytes, otherwise by the suffix of its name."""
     if form := _entry_by_first_bytes(path, BY_CONTENT):
         return form
     form = BY_SUFFIX.get(path.suffix.lower())
@@ -173,7 +177,10 @@ def _format_of(path: Path) -> Format:
 
 
 def _read_contents(path: Path, variable: str | None = None) -> Contents:
-    """Read one file; an error also names the format that its content is most like."""
+    """Read one scan file by its format.
+
+    An `InputError` also names the format that the first bytes indicate, if it is another one.
+    """
     form = _format_of(path)
     suffix = path.suffix.lower()
     try:
@@ -187,7 +194,10 @@ def _read_contents(path: Path, variable: str | None = None) -> Contents:
 
 
 def _read_three_matrices(files: tuple[Path, ...]) -> Contents:
-    """Read the heights of one file at the places x and y of two others, all as matrices."""
+    """Read three files of matrices (y, x): places x, places y, and heights.
+
+    Raise `InputError` if their shapes differ.
+    """
     parts = []
     for file in files:
         with naming(str(file)):
@@ -203,12 +213,16 @@ def _read_three_matrices(files: tuple[Path, ...]) -> Contents:
 
 
 def file_digest(path: str | Path) -> str:
-    """Return the SHA-256 of a scan's content (of three files, that of their digests)."""
+    """Return the SHA-256 of the content of a scan's file, in hexadecimal digits.
+
+    For three files it is the SHA-256 of their three digests, one after the other.
+    """
     parts = [_digest(file, file.stat().st_mtime_ns) for file in files_of(path)]
     return parts[0] if len(parts) == 1 else hashlib.sha256("".join(parts).encode()).hexdigest()
 
 
 @functools.cache
 def _digest(path: Path, changed: int) -> str:
+    """Return the SHA-256 of a file; ``changed`` is when, so that a changed file is read again."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -35,13 +35,16 @@ def check_contained(path: Path) -> None:
 
 
 def _bytes_at(file, start: int) -> bytes:
-    """Return as many bytes of a file from a place on as `_MAGIC` has."""
+    """Return the bytes of a file at a place, as many as `_MAGIC` has."""
     file.seek(start)
     return file.read(len(_MAGIC))
 
 
 def _reference_to_other_file(content: mmap.mmap, base: int) -> str | None:
-    """Return what names other files in the content of an HDF5 file, None if nothing does."""
+    """Return the kind of reference to another file in the content of an HDF5 file; None without.
+
+    ``base`` is where the HDF5 data begin.
+    """
     for heap in _find_all(content, b"HEAP"):
         for place in _find_all(content, struct.pack("<Q", heap - base)):
             slots = _EXTERNAL.search(content[max(place - 8, 0) : place])
@@ -59,7 +62,7 @@ def _reference_to_other_file(content: mmap.mmap, base: int) -> str | None:
 
 
 def _find_all(content: mmap.mmap, word: bytes) -> Iterator[int]:
-    """Generate the places at which some bytes occur in a file."""
+    """Generate the places at which the bytes ``word`` occur in a file."""
     place = content.find(word)
     while place >= 0:
         yield place
@@ -67,7 +70,10 @@ def _find_all(content: mmap.mmap, word: bytes) -> Iterator[int]:
 
 
 def _is_external_link(content: mmap.mmap, start: int) -> bool:
-    """Return whether an external link is stored at a place: its name, then file and object."""
+    """Return whether an external link is stored at the place ``start`` of an HDF5 file.
+
+    The bytes there must be a name of the link, then the names of a file and of an object in it.
+    """
     flags = content[start + 1]
     place = start + 3
     place += 8 * bool(flags & 4) + bool(flags & 16)  # order of creation, character set

@@ -1,4 +1,7 @@
-"""Content of the file of a scanned wall, and its conversion to metres; limits of size, errors."""
+"""Contents of the file of a scanned wall, in its units, and their conversion to metres.
+
+Also limits of the size of files and arrays, and words for units and axes.
+"""
 
 import math
 import re
@@ -16,9 +19,9 @@ from jointclosure.walls.neighbours import neighbour_pairs
 from jointclosure.walls.plateaus import zeros_are_contacts
 from jointclosure.walls.scans.sheet import check_precision_of_heights
 
-LARGEST_ARRAY = 800_000_000  # most bytes of an array in double precision; chosen
-LARGEST_FILE = 2_000_000_000  # most bytes of a file that is read as a whole; chosen
-SAME_SPACING = 1e-3  # largest relative difference of statements of one spacing
+LARGEST_ARRAY = 800_000_000  # largest size [bytes] of an array in double precision; chosen
+LARGEST_FILE = 2_000_000_000  # largest size [bytes] of a file that is read as a whole; chosen
+SAME_SPACING = 1e-3  # largest relative difference of two statements of the same spacing
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")  # bytes of a file in messages of libraries
@@ -28,32 +31,37 @@ _FOREIGN = frozenset({
     "cm", "dm", "km", "pm", "ft", "feet", "foot", "mil", "mils", "thou", "px", "pixel", "pixels",
     "angstrom", "centimetre", "centimetres", "centimeter", "centimeters",
 })  # fmt: skip
-"""Units of length that files state and that are refused: their heights are to be converted."""
+"""Units of length that are recognised in files and refused: users must convert the heights."""
 
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
-"""Values that count as missing if they are beyond all other values."""
-_ROWS = 200  # most rows whose precision is checked
+"""Values that files contain in place of a missing one; they count as missing if they are larger or
+smaller than all other values."""
+_ROWS = 200  # largest number of rows of a grid whose precision is checked
 _DOUBLE = np.dtype(float)  # type in which all heights are kept
 USUAL_DISTANCES = 1e-6, 2e-3
-"""Distances [m] of heights in scans of rock joints, from profilometers to laser scanners; chosen.
-Others are probably in a wrong unit. Scans with a distance above 0.1 m are refused (`USUAL`)."""
-LARGEST = 1e20  # larger values are missing in any unit, such as 1e30 and 1.70141e38
+"""Least and largest usual distance [m] of neighbouring heights in scans of rock joints, from
+profilometers to laser scanners; chosen. Other distances are probably in a wrong unit, and give a
+caution."""
+LARGEST = 1e20  # values of at least this size, such as 1.70141e38, are missing in any unit
 
 
 class Statement(NamedTuple):
-    """Spacing (dy, dx) in units that a file states; NaN along an axis of which it states none."""
+    """Spacing of a grid as one line or array of a file states it."""
 
-    names: str
-    spacing: np.ndarray
-    units: str | None = None
+    names: str  # of the line or the arrays, for messages
+    spacing: np.ndarray  # (dy, dx) in the units; NaN along an axis for which none is stated
+    units: str | None = None  # None: not stated
 
 
 class Contents(NamedTuple):
-    """Heights on a grid, or points, of a file in its units; None or NaN: not stated."""
+    """Contents of a scan file in its units: heights on a grid, or points, and what it states.
+
+    Either ``heights`` or ``points`` is None. Other fields are None or NaN if the file states none.
+    """
 
     heights: np.ndarray | None = None  # (y, x), rows in order of increasing y
     spacing: tuple[float, float] = (math.nan, math.nan)  # (dy, dx)
-    points: np.ndarray | None = None  # (n, 3)
+    points: np.ndarray | None = None  # (n, 3): x, y, z
     height_units: str | None = None
     length_units: str | None = None
     origin: tuple[float, float] = (math.nan, math.nan)  # (y, x) of the first cell
@@ -84,7 +92,10 @@ def check_array(shape: tuple[int, ...], kind: np.dtype = _DOUBLE) -> None:
 
 
 def real(values) -> np.ndarray:
-    """Convert numbers to double precision, NaN where masked or not finite; doubles are no copy."""
+    """Return numbers in double precision, with NaN where they are masked or not finite.
+
+    An array of doubles is not copied: NaN are written into it, unless it is read-only.
+    """
     if np.ma.isMaskedArray(values):
         numbers = np.ma.filled(values.astype(float), np.nan)
     else:
@@ -98,7 +109,10 @@ def real(values) -> np.ndarray:
 
 @contextmanager
 def reading_as(title: str) -> Iterator[None]:
-    """Turn errors of a library that reads a scan into an `InputError` that names the format."""
+    """Turn errors that a library raises in this context into an `InputError`.
+
+    It names the format by its ``title``. An `InputError` and a `MemoryError` are passed on.
+    """
     try:
         yield
     except (InputError, MemoryError):
@@ -111,9 +125,9 @@ def reading_as(title: str) -> Iterator[None]:
 
 
 def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
-    """Return the units in which a wall of these sides is usual, and words on it for messages.
+    """Return the units in which a wall of these sides has a usual size, and words for messages.
 
-    ``sides`` (x, y) are in the units of the file; without them any unit is usual.
+    ``sides`` (x, y) are in the unknown units of the file. If they are None, any unit is usual.
     """
     if sides is None:
         return [*UNITS], ""
@@ -128,7 +142,10 @@ def _usual_units(sides: tuple[float, float] | None) -> tuple[list[str], str]:
 
 
 def _distance_doubt(contents: Contents, lengths: str) -> str:
-    """Ask for the units if heights are unusually far apart in these units of x and y; or ""."""
+    """Return words for a caution if heights are unusually near or far apart; "" if they are not.
+
+    ``lengths`` are the units of x and y. Limits are `USUAL_DISTANCES`.
+    """
     sides = contents.sides()
     if contents.points is not None and sides is not None:
         count = int(np.isfinite(contents.points).all(axis=1).sum())
@@ -154,10 +171,11 @@ def settled(
     sides: tuple[float, float] | None = None,
     unread: tuple[str, ...] = (),
 ) -> str:
-    """Return the units of ``what`` that the file or the user states.
+    """Return the units of ``what`` (heights or distances) that a file or its user states.
 
-    Raise `InputError` if neither does, or if they differ. ``sides`` and ``unread`` lines of the
-    file help in the message.
+    Raise `InputError` if neither the file (``of_file``) nor the user (``stated``) states units, or
+    if both state different ones. The message contains the ``sides`` of the wall and ``unread``
+    lines of the file, from which the user may recognise the units.
     """
     units = of_file or stated
     if units is None:
@@ -172,7 +190,11 @@ def settled(
 
 
 def agreed_spacing(statements: list[Statement]) -> tuple[np.ndarray, str | None]:
-    """Return the spacing (dy, dx) of all statements and its units; `InputError` if they differ."""
+    """Return the spacing (dy, dx) that statements of a file agree on, and its units.
+
+    It is NaN along an axis without a statement; units are those of the first statement with units,
+    or None. Raise `InputError` if statements differ by more than `SAME_SPACING`.
+    """
     units = next((each.units for each in statements if each.units), None)
     stated = [each.spacing * unit_ratio(each.units, units) for each in statements]
     known = [column[np.isfinite(column)] for column in np.reshape(stated, (-1, 2)).T]
@@ -186,7 +208,10 @@ def agreed_spacing(statements: list[Statement]) -> tuple[np.ndarray, str | None]
 
 
 def unit_ratio(units: str | None, target: str | None) -> float:
-    """Return the factor from a unit of length to another; 1 if one of them is not stated."""
+    """Return the factor that converts numbers in ``units`` of length to the ``target`` units.
+
+    It is 1 if either is not stated.
+    """
     return size_of(units) / size_of(target) if units and target and units != target else 1.0
 
 
@@ -196,13 +221,16 @@ def listing(values, units: str | None = None) -> str:
 
 
 def unit_in(word: str) -> str | None:
-    """Return the unit of length that a word spells, also one that is refused; None for others."""
+    """Return the unit of length that a word spells, also if it is refused later; else None."""
     word = word.strip()
     return next((w for w in (word, word.lower()) if w in SPELT or w in _FOREIGN), None)
 
 
 def same_units(where: str, *stated: str | None) -> str | None:
-    """Return the unit of several statements, None without any; `InputError` if they differ."""
+    """Return the unit of length that statements agree on; None if no unit is stated.
+
+    Raise `InputError` that names the place ``where`` in the file if they differ.
+    """
     units = [unit for unit in stated if unit]
     if len({size_of(unit) for unit in units}) > 1:
         listed = " and ".join(map(repr, dict.fromkeys(units)))
@@ -211,7 +239,10 @@ def same_units(where: str, *stated: str | None) -> str | None:
 
 
 def split_name(name: str) -> tuple[str, str | None]:
-    """Return ("Z", "mm") for "Z_mm", "Z [mm]", "Z/mm", "Z, mm", "Z in mm"; ("Z", None) for "Z"."""
+    """Return a column's name without its unit, and the unit or None: ("Z", "mm") for "Z [mm]".
+
+    Other spellings are "Z_mm", "Z/mm", "Z, mm" and "Z in mm".
+    """
     match = re.fullmatch(_NAME_AND_UNIT, name)
     if match:
         unit = "in" if match[2].lower() == "in" else unit_in(match[2])
@@ -221,7 +252,10 @@ def split_name(name: str) -> tuple[str, str | None]:
 
 
 def axis_name(name: str) -> str:
-    """Return "x", "y" or "z" for a column of points (height is z), else its name in lower case."""
+    """Return the axis "x", "y" or "z" that the name of a column means; "height" is z.
+
+    For other names it returns the name in lower case, without its unit.
+    """
     bare = split_name(name)[0].lower()
     if bare in ("height", "elevation"):
         return "z"
@@ -230,7 +264,10 @@ def axis_name(name: str) -> str:
 
 
 def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return which values are missing, bool of their shape, and the sentinels that occur."""
+    """Return which values stand for missing ones (bool, as ``values``), and these values (n,).
+
+    They are values of at least `LARGEST` size, and `SENTINELS`. NaN are not among them.
+    """
     missing = (values >= LARGEST) | (values <= -LARGEST)
     sentinels = list(np.unique(values[missing]))
     others = np.isfinite(values) & ~missing & ~np.isin(values, SENTINELS)
@@ -245,16 +282,17 @@ def missing_values(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def missing_text(count: int, sentinels: np.ndarray, what: str) -> str:
-    """Return the sentence on values that were treated as missing."""
+    """Return the remark that ``count`` values (``what``) were treated as missing."""
     words = ", ".join(f"{value:g}" for value in sentinels)
     return f"{count} {what} of {words} were treated as missing"
 
 
 def missing_heights(scan: Scan | Cloud) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return which heights are missing, also zeros that are too frequent, and remarks.
+    """Return which heights of a scan stand for missing ones, and remarks on them.
 
-    Heights are (y, x) of a grid, or (n,) of points. Zeros that may be heights are kept: those of a
-    wall that is mostly 0, and contacts of an aperture map.
+    The answer is (y, x) for a grid and (n,) for points. Missing are `missing_values`, and heights
+    of exactly 0 if they are ten times as frequent as any other height. Zeros are kept that may be
+    heights: those of a wall that is mostly 0, and the contacts of an aperture map.
     """
     heights = scan.heights if isinstance(scan, Scan) else scan.points[:, 2]
     missing, sentinels = missing_values(heights)
@@ -285,10 +323,12 @@ def missing_heights(scan: Scan | Cloud) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def in_metres(contents: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
-    """Return contents in metres, with missing heights as NaN.
+    """Return the scan that the contents of a file are, in metres.
 
-    ``units`` and ``spacing`` [m] are those that the user states, None for those of the file. Raise
-    `InputError` if they are not stated, contradict the file, or the heights are no wall.
+    Missing heights of a grid are NaN; points without a height are left out. ``units`` and
+    ``spacing`` [m] are those that the user states, None for those of the file. Raise `InputError`
+    if they are stated neither by the file nor by the user, if both differ, or if a grid has fewer
+    than 3 x 3 heights, none that is known, or heights that are stored too coarsely.
     """
     sides = contents.sides()
     hint = sides if contents.length_units is None else None
@@ -338,9 +378,10 @@ def in_metres(contents: Contents, units: str | None, spacing: float | None) -> S
 
 
 def _spacing(stated: np.ndarray, spacing: float | None) -> tuple[float, float]:
-    """Return the spacing (dy, dx) [m] as the file states it, else as the caller does.
+    """Return the spacing (dy, dx) [m] of a grid: that of the file, else that of the caller.
 
-    Raise `InputError` if neither does, or if they differ.
+    ``stated`` (2,) [m] is that of the file, with NaN along an axis where it states none. Raise
+    `InputError` if the spacing along an axis is not known, not positive, or differs between both.
     """
     unstated = np.isnan(stated)
     if spacing is None and unstated.any():

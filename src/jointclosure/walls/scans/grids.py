@@ -1,4 +1,7 @@
-"""Heights on grids: arrays of files with what states their places, rasters, and scanners' files."""
+"""Files of scanned grids: arrays (npy, npz, netCDF, MATLAB), rasters, and files of scanners.
+
+Other arrays and attributes of a file state places, spacing and units of the heights.
+"""
 
 import math
 import re
@@ -34,20 +37,21 @@ from jointclosure.walls.scans.points import contents_of
 from jointclosure.walls.scans.text import read_text_scan
 
 _NUMBERS = {"spacing": (1.0, 1.0), "h": (1.0, 1.0), "dy": (1.0, math.nan), "dx": (math.nan, 1.0)}
-"""Names of numbers that state the spacing, with 1 for the axes (y, x) along which it is."""
+"""Names of numbers that state the spacing, with 1 for the axes (y, x) to which they apply."""
 _AXES = {
     "y": ("y", "lat", "latitude", "northing", "row", "rows", "projection_y_coordinate"),
     "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
 }
 """Names of dimensions, and standard names of coordinates, that identify an axis."""
-_LONGEST_TEXT = 400  # bytes of a text beside heights that may be a unit
+_LONGEST_TEXT = 400  # largest size [bytes] of a text in a file that is read as a statement
 _UNITS = ("units", "unit")  # attributes of a netCDF variable
 _OF_LIBRARIES = (
     *_UNITS, "scale_factor", "add_offset", "_fillvalue", "missing_value", "long_name",
     "standard_name", "axis", "coordinates", "history", "title", "comment", "source", "conventions",
     "institution", "references", "grid_mapping",
 )  # fmt: skip
-"""Attributes of netCDF files that libraries apply, or that describe the file in free words."""
+"""Attributes of netCDF files that are not read as statements, as libraries apply them, or they are
+free words."""
 _NEEDED = ("ncols", "nrows")  # words that the header of an ESRI grid must have
 _PLACES = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")  # words that state its place
 _KNOWN = (*_NEEDED, "cellsize", "dx", "dy", *_PLACES, "nodata_value")  # words of an ESRI header
@@ -56,14 +60,14 @@ INSTRUMENTS = re.compile(
     "|^[ \t]*[ab](?:ISO|BCR|NIST)-|^# *(?:Kan[aá]l|Canale?|Канал|チャネル|채널) *[:：]".encode(),
     re.IGNORECASE | re.MULTILINE,
 )
-"""Words of text files of instruments, whose headers SurfaceTopography reads."""
-_PLAIN = ("asc", "xyz", "mat", "matrix")  # formats of SurfaceTopography that any text may have
+"""Words by which text files of instruments are recognised, which SurfaceTopography reads."""
+_PLAIN = ("asc", "xyz", "mat", "matrix")  # formats of SurfaceTopography for which it takes any text
 SURFER = {b"DSAA": "GSAG", b"DSBB": "GSBG", b"DSRB": "GS7BG"}
 """Drivers of GDAL of Surfer grids (text, and binary of versions 6 and 7) by their first bytes."""
 
 
 class Array(NamedTuple):
-    """Array of a file: shape, type, units (None: not stated), and the function that reads it."""
+    """Array of a file that is not read yet: shape, type, units (None: not stated), and reader."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
@@ -72,7 +76,7 @@ class Array(NamedTuple):
 
     @property
     def transposed(self) -> "Array":
-        """Transposed array; its values are read when ``load`` is called."""
+        """The array with its axes exchanged; its values are read when ``load`` is called."""
         return self._replace(shape=self.shape[::-1], load=lambda: self.load().T)
 
 
@@ -82,10 +86,13 @@ def grid_of(
     axes: Mapping[str, str] | None = None,
     lines: Iterable[str] = (),
 ) -> Contents:
-    """Return the heights of a file, placed and turned by arrays x, y and numbers beside them.
+    """Return the contents of a file of arrays: its heights, placed by its other arrays.
 
-    ``variable`` is the name of the heights, ``axes`` the axis "x" or "y" of arrays by their names,
-    and ``lines`` are further statements, as in a header.
+    Arrays named x and y are places; they also turn the heights so that y increases with rows and x
+    with columns. Single numbers such as "dx" state the spacing. ``variable`` is the name of the
+    array of heights (see `chosen`), ``axes`` has the axis "x" or "y" of arrays with other names,
+    and ``lines`` are further statements as in a header. If places are unevenly spaced, the contents
+    are points. Raise `InputError` if an array does not fit the others.
     """
     texts = {key: array for key, array in arrays.items() if array.dtype.kind == "U"}
     arrays = {key: array for key, array in arrays.items() if key not in texts}
@@ -134,7 +141,7 @@ def grid_of(
 
 
 def _header_lines(arrays: Mapping[str, Array]) -> list[str]:
-    """Return texts and single numbers of a file as the lines of a header."""
+    """Return arrays of one text or number as header lines "name: value"; others are left out."""
     lines = []
     for key, array in arrays.items():
         if math.prod(array.shape) == 1 and array.dtype.itemsize <= _LONGEST_TEXT:
@@ -145,7 +152,12 @@ def _header_lines(arrays: Mapping[str, Array]) -> list[str]:
 def _place_heights(
     name: str, heights: np.ndarray, places: list[dict[str, Array]]
 ) -> tuple[Contents, list[Statement]]:
-    """Return heights as a grid or as points, and the statement of places along y and x, if any."""
+    """Return heights (y, x) as a grid or as points, and what places state of the spacing.
+
+    ``places`` are the arrays of places along y, and along x, by name. Heights (x, y) are turned if
+    only so they fit the places. Raise `InputError` if places fit neither, or if they are uneven
+    along one axis and missing along the other.
+    """
     named = places[0] | places[1]
     if not named:
         return Contents(heights), []
@@ -173,7 +185,7 @@ def _place_heights(
 
 
 def _places_fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
-    """Return whether places along y and x are vectors or matrices for heights of a shape."""
+    """Return whether places along y and x are vectors or matrices that fit heights of a shape."""
     return all(
         tuple(n for n in array.shape if n > 1) in (shape, (shape[number],))
         for number, along in enumerate(places)
@@ -184,9 +196,11 @@ def _places_fit(places: list[dict[str, Array]], shape: tuple[int, ...]) -> bool:
 def _places_along_axis(
     number: int, arrays: dict[str, Array], units: str | None
 ) -> tuple[np.ndarray | None, float | None]:
-    """Return places along an axis (0: y, 1: x) and their step, None if uneven, NaN without places.
+    """Return the places along an axis (0: y, 1: x) that arrays state, and their step.
 
-    The places are one line if all are the same, and None without any.
+    Places are in ``units``. They are one row or column if all rows or columns of a matrix are
+    equal. The step is None if places are uneven or differ between rows or columns. Without arrays
+    places are None, and the step is NaN. Raise `InputError` if arrays state different places.
     """
     values: np.ndarray | None = None
     ranges = []
@@ -213,16 +227,17 @@ def _places_along_axis(
 
 
 def _loaded(name: str, array: Array) -> np.ndarray:
-    """Read an array of real numbers, NaN where masked or not finite."""
+    """Read an array of real numbers, NaN where masked or not finite; check its type and size."""
     with naming(name):
         check_array(array.shape, array.dtype)
         return real(array.load())
 
 
 def chosen(variable: str | None, arrays: Mapping[str, Array]) -> str:
-    """Return the name of the array with heights: as stated, else the only one over (y, x).
+    """Return the name of the array of heights: ``variable``, else the only array over (y, x).
 
-    Arrays named x or y are places, not heights.
+    Arrays named x or y are places, not heights. Raise `InputError` if there is no such array, or if
+    several arrays could be the heights.
     """
     if variable is not None:
         check_one_of("variable", variable, tuple(arrays))
@@ -243,7 +258,7 @@ def read_npy(path: Path) -> Contents:
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
-    """Read an array of an archive, placed by the others."""
+    """Read the heights of an npz archive; other arrays state places and units, see `grid_of`."""
     with zipfile.ZipFile(path) as archive:
         arrays = {}
         for member in archive.namelist():
@@ -256,7 +271,7 @@ def read_npz(path: Path, variable: str | None) -> Contents:
 
 
 def _array_header(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
-    """Return the shape and type that the header of an array declares."""
+    """Return the shape and type that the header of a .npy file declares."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0
     shape, _, kind = (read if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)
@@ -264,7 +279,7 @@ def _array_header(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
 
 
 def _read_array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
-    """Read an array up to the largest size; pickles are refused."""
+    """Read an array of a .npy file; `InputError` if it is too large, and pickles are refused."""
     with opened() as file:
         shape, kind = _array_header(file)
         if kind.kind != "U":  # a text beside heights, which is read if it is short
@@ -274,7 +289,10 @@ def _read_array(opened: Callable[[], IO[bytes]]) -> np.ndarray:
 
 
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
-    """Read a variable over y and x by the names of its dimensions; invalid values are NaN."""
+    """Read the heights of a netCDF file; names of dimensions tell which axes are y and x.
+
+    Masked and infinite values are NaN. Other variables state places and units, see `grid_of`.
+    """
     with netCDF4.Dataset(path) as dataset:
         variables = dataset.variables
         arrays = {}
@@ -302,7 +320,10 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
 
 
 def _stated_units(key: str, variable: netCDF4.Variable) -> str | None:
-    """Return the units of a variable by its attributes, its name, and its long name."""
+    """Return the units that a variable's attributes, its name or its long name state, or None.
+
+    A unit in an attribute that is no known unit of length is returned as it is.
+    """
     attributes = {name.lower(): variable.getncattr(name) for name in variable.ncattrs()}
     stated = [str(attributes[name]).strip() for name in _UNITS if name in attributes]
     named = [split_name(text)[1] for text in (key, str(attributes.get("long_name", "")))]
@@ -312,7 +333,10 @@ def _stated_units(key: str, variable: netCDF4.Variable) -> str | None:
 
 
 def _attribute_lines(of: netCDF4.Dataset | netCDF4.Variable) -> list[str]:
-    """Return the attributes of a file or variable that may be statements, as header lines."""
+    """Return attributes of a netCDF file or variable as header lines "name: value".
+
+    Those are left out that cannot be statements (`_OF_LIBRARIES`), or that have several values.
+    """
     left = _OF_LIBRARIES if isinstance(of, netCDF4.Variable) else _OF_LIBRARIES[len(_UNITS) :]
     used = [name for name in of.ncattrs() if name.lower() not in left]
     values = {name: np.asarray(of.getncattr(name)) for name in used if "valid" not in name}
@@ -320,7 +344,10 @@ def _attribute_lines(of: netCDF4.Dataset | netCDF4.Variable) -> list[str]:
 
 
 def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | None:
-    """Return the axis of a dimension by its name and its coordinate's attributes, or None."""
+    """Return the axis ("x", "y") of a netCDF dimension, by its coordinate's attributes or name.
+
+    None if neither identifies an axis.
+    """
     about = variables.get(dimension)
     words = [getattr(about, key, None) for key in ("axis", "standard_name")]
     words = [str(word).lower() for word in (*words, split_name(dimension)[0]) if word]
@@ -328,7 +355,11 @@ def _axis_of(dimension: str, variables: dict[str, netCDF4.Variable]) -> str | No
 
 
 def read_matlab(path: Path, variable: str | None) -> Contents:
-    """Read an array of a MATLAB file up to version 7.2; only what the variable needs is loaded."""
+    """Read the heights of a MATLAB file of version 7.2 or earlier.
+
+    Only the arrays of numbers and texts that are needed are loaded; other arrays state places and
+    units, see `grid_of`.
+    """
 
     def load(name: str) -> np.ndarray:
         return scipy.io.loadmat(path, variable_names=[name])[name]
@@ -350,7 +381,11 @@ def read_matlab(path: Path, variable: str | None) -> Contents:
 
 
 def read_esri(path: Path) -> Contents:
-    """Read an ESRI ASCII grid, rows from the largest y down. GDAL would read words as zeros."""
+    """Read an ESRI ASCII grid, whose rows begin with the largest y.
+
+    GDAL is not used for it, as it reads words among the heights as zeros. Raise `InputError` if the
+    header is incomplete, or the number of heights differs from it.
+    """
     lines = [line.split() for line in path.read_text(encoding="latin-1").lower().splitlines()]
     rows = [line for line in lines if line and line[0] not in _KNOWN]
     head: dict[str, float] = {}
@@ -387,7 +422,10 @@ def read_esri(path: Path) -> Contents:
 
 
 def read_raster(path: Path, driver: str) -> Contents:
-    """Read a raster of one band by a driver of GDAL; places are those of the middles of cells."""
+    """Read a raster of one band by a driver of GDAL; heights lie in the middles of its cells.
+
+    Raise `InputError` if it has several bands, or is turned or mirrored.
+    """
     with needs("walls", "a TIFF or Surfer grid"):
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning, RasterioIOError
@@ -426,7 +464,11 @@ def read_raster(path: Path, driver: str) -> Contents:
 def _resolution_of(
     tags: Mapping[str, str],
 ) -> tuple[tuple[float, float], str | None, tuple[str, ...]]:
-    """Return spacing (dy, dx) and units of a TIFF of ImageJ, and an unused resolution of others."""
+    """Return the spacing (dy, dx), its units, and unused statements, of the ``tags`` of a TIFF.
+
+    Spacing and units are read only if ImageJ wrote the file. Otherwise they are NaN and None, and
+    a resolution in pixels per inch or cm is an unused statement, as it is often meaningless.
+    """
     pixels = [float(tags.get(f"TIFFTAG_{axis}RESOLUTION", 0.0)) for axis in "YX"]
     about = tags.get("TIFFTAG_IMAGEDESCRIPTION", "")
     unit = re.search(r"^unit=(.+)$", about, re.MULTILINE)
@@ -441,7 +483,10 @@ def _resolution_of(
 
 
 def read_text_or_scanner(path: Path, variable: str | None) -> Contents:
-    """Read text as points or a matrix, otherwise as the file of a scanner."""
+    """Read a file as text of points or a matrix; if that fails, as the file of a scanner.
+
+    Raise the `InputError` of reading it as text if both fail.
+    """
     try:
         return read_text_scan(path, variable)
     except InputError as error:
@@ -455,8 +500,8 @@ def read_text_or_scanner(path: Path, variable: str | None) -> Contents:
 def read_scanner(path: Path, variable: str | None, refused: tuple[str, ...] = ()) -> Contents:
     """Read one channel of a scanner's file with SurfaceTopography.
 
-    It is ``variable``, otherwise the default of the file. Formats in ``refused`` raise
-    `InputError`.
+    The channel is that named ``variable``, otherwise the default of the file. Raise `InputError` if
+    the format is not known or in ``refused``, or if the channel is no surface.
     """
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.Exceptions import CannotDetectFileFormat

@@ -1,4 +1,4 @@
-"""Statements in the header of a text file, a mesh or a picture: units, spacing, size, counts."""
+"""Headers of scan files (texts, meshes, pictures): their statements of units, spacing and size."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -22,7 +22,7 @@ _NUMBER = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?"
 _MARKED = re.compile(r"(.+?)\s*[:=;,]+[\s:=;,]*(.*)")
 """Statement with a mark, as in "pixel size: 0.1 mm": its key and its value."""
 _SPACED = re.compile(rf"(\D+?)\s+({_NUMBER}\b.*)|(.*\bunits?)\s+(\S+)", re.IGNORECASE)
-"""Statement without a mark, as in "spacing 0.1 mm" or "units mm"."""
+"""Statement without a mark, as in "spacing 0.1 mm" or "units mm": its key and its value."""
 _VALUE = re.compile(rf"({_NUMBER}(?!\w))?[\s,;(\[]*([^\s,;)\]]*)[\s,;)\].]*")
 """Value of a statement: a number, a unit, or both."""
 _OF_HEIGHTS = ("value", "values", "z", "height", "heights", "data", "elevation", "zvalue")
@@ -36,7 +36,7 @@ _STEPS = (
 )  # fmt: skip
 """Keys that state the spacing along both axes."""
 _AXIS_STEPS = (*_STEPS, "inc", "pixel")
-"""Keys that state the spacing along an axis that they also name."""
+"""Keys that state the spacing along one axis if the name of the axis precedes or follows them."""
 _SIZES = {"width": 1, "scanwidth": 1, "imagewidth": 1, "height": 0, "scanheight": 0}
 """Keys that state the length of the wall, and the axis, 0 for y and 1 for x."""
 _COUNTS = {
@@ -47,7 +47,7 @@ _COUNTS = {
 }
 """Keys that state the number of points along an axis, 0 for y and 1 for x."""
 _FACTORS = re.compile(r"scalefactor|zscale|heightscale|conversionfactor|multiplier|bit2nm|^scale$")
-"""Keys of a factor by which heights would have to be multiplied."""
+"""Keys of a factor by which heights would have to be multiplied; only a factor of 1 is accepted."""
 _MENTIONS = re.compile(r"units?|resolution|step|spacing|pixelsize|pitch|calibration|increment")
 """Words of a key that probably states a unit or the spacing."""
 _LENGTH = re.compile(r"(?<![\w.])\d[\d.,]*\s*(?:mm|um|µm|μm|nm|cm|m|inch|microns?)(?!\w)")
@@ -55,17 +55,21 @@ _LENGTH = re.compile(r"(?<![\w.])\d[\d.,]*\s*(?:mm|um|µm|μm|nm|cm|m|inch|micro
 
 
 class Header(NamedTuple):
-    """Statements of a header; counts and sizes are (y, x), None or NaN where not stated."""
+    """Statements of the header of a scan file; None where nothing is stated."""
 
     height_units: str | None = None
-    length_units: str | None = None
-    steps: tuple[Statement, ...] = ()
-    sizes: tuple[Statement, ...] = ()
-    counts: tuple[int | None, int | None] = (None, None)
-    unread: tuple[str, ...] = ()
+    length_units: str | None = None  # of x and y
+    steps: tuple[Statement, ...] = ()  # of the spacing
+    sizes: tuple[Statement, ...] = ()  # of the lengths of the wall (y, x), in place of a spacing
+    counts: tuple[int | None, int | None] = (None, None)  # numbers of heights along y and x
+    unread: tuple[str, ...] = ()  # lines that mention units or lengths and were not understood
 
     def statements(self, shape: tuple[int, ...]) -> list[Statement]:
-        """Return what is stated of the spacing of a matrix (y, x); sizes count whole cells."""
+        """Return the statements of the spacing of a matrix (y, x) of heights.
+
+        A stated length of the wall gives a spacing too: the length over the number of cells. Raise
+        `InputError` if the stated numbers of rows or columns are not those of the matrix.
+        """
         for axis, stated, count in zip(("rows", "columns"), self.counts, shape, strict=True):
             if stated is not None and stated != count:
                 raise InputError(f"the file states {stated} {axis}; there are {count}")
@@ -73,7 +77,11 @@ class Header(NamedTuple):
         return [*self.steps, *cells]
 
     def spacing(self, shape: tuple[int, ...]) -> tuple[tuple[float, float], str | None]:
-        """Return the spacing (dy, dx) of a matrix (y, x) and its units."""
+        """Return the spacing (dy, dx) of a matrix (y, x) of heights, and its units or None.
+
+        A spacing that is stated along one axis only holds along both; NaN if none is stated. Raise
+        `InputError` as `statements`, or if statements differ.
+        """
         (dy, dx), units = agreed_spacing(self.statements(shape))
         dy, dx = (other if np.isnan(step) else step for step, other in ((dy, dx), (dx, dy)))
         return (float(dy), float(dx)), units or self.length_units
@@ -85,7 +93,11 @@ def placed(
     header: Header,
     remarks: tuple[str, ...] = (),
 ) -> Contents:
-    """Return points (n, 3) as `contents_of`, with the units and the spacing of a header."""
+    """Return the contents of points (n, 3), see `contents_of`, with the statements of a header.
+
+    ``units`` are those that columns state for x, y and z. Raise `InputError` if the header states
+    others. If the points lie on a grid, the header's spacing is kept to be compared with it.
+    """
     along = (header.length_units, header.length_units, header.height_units)
     stated = [
         same_units(f"the column of {name}", *both)
@@ -101,7 +113,7 @@ def placed(
 
 
 def read_header(lines: Iterable[str]) -> Header:
-    """Read the statements of header lines; `InputError` if they contradict each other."""
+    """Read the statements of header lines; `InputError` if units or counts contradict others."""
     header = Header()
     for line in lines:
         parts = re.split(r"[,;]\s+", line)
@@ -112,7 +124,11 @@ def read_header(lines: Iterable[str]) -> Header:
 
 
 def _add_statement(header: Header, line: str) -> Header:
-    """Return a header with the statement of one line, if the line has one."""
+    """Return the header with the statement of one more line.
+
+    If the line is not understood, but mentions units or lengths, it is added to ``unread``. Raise
+    `InputError` for a contradiction, a factor of heights, or a spacing that is not positive.
+    """
     tidy = line.strip().lstrip("#%/!; ").replace('"', " ").replace("\t", " : ")
     bare = re.sub(r"\s+", " ", re.sub(r"[\s:]*:[\s:]*", ": ", tidy)).strip(" :;,")
     entry = _MARKED.fullmatch(bare) or _SPACED.fullmatch(bare)
@@ -152,7 +168,11 @@ def _add_statement(header: Header, line: str) -> Header:
 
 
 def _kind_and_axes(key: str) -> tuple[str, tuple[float, float]] | None:
-    """Return whether a key is of "steps" or "sizes", and 1 for each axis (y, x) that it states."""
+    """Return whether a key states "steps" (spacing) or "sizes" (lengths of the wall), and of what.
+
+    The second value has 1 for each axis (y, x) to which the key applies, else NaN. None for keys
+    that state neither.
+    """
     axes = {0: (1.0, np.nan), 1: (np.nan, 1.0)}
     if key in _SIZES:
         return "sizes", axes[_SIZES[key]]
@@ -168,7 +188,11 @@ def _kind_and_axes(key: str) -> tuple[str, tuple[float, float]] | None:
 
 
 def _add_units(header: Header, key: str, unit: str | None, line: str) -> Header:
-    """Return a header with the units that a line without a number states."""
+    """Return the header with the ``unit`` that a line without a number states.
+
+    ``key`` tells whether it is that of heights, of x and y, or of both. Lines of other keys are
+    handled as not understood. Raise `InputError` if another line has stated another unit.
+    """
     what = re.fullmatch(r"(\w*?)(?:axis)?units?(?:of)?(\w*)", key)
     if unit is None or what is None:
         return _add_unread(header, line)
@@ -186,7 +210,10 @@ def _add_units(header: Header, key: str, unit: str | None, line: str) -> Header:
 
 
 def _add_unread(header: Header, line: str) -> Header:
-    """Return a header with a line that was not understood, if it mentions units or lengths."""
+    """Return the header with a line that was not understood, if it mentions units or lengths.
+
+    Other lines are ignored: the header is returned as it is.
+    """
     key = re.sub(r"[\W_]", "", re.split(r"[:=\t]", line)[0]).lower()
     words = re.split(r"[\s\[\](){}:=;,\"']+", line)
     valued = re.search(r"[:=]\s*\S", line) or _LENGTH.search(line)

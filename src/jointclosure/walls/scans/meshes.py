@@ -1,4 +1,4 @@
-"""Vertices of meshes: STL, PLY and OBJ."""
+"""Mesh files of scanned walls (STL, PLY and OBJ), which are read as points: their vertices."""
 
 import itertools
 import re
@@ -19,9 +19,10 @@ _DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re
 
 
 def read_mesh(path: Path, variable: str | None = None) -> Contents:
-    """Read the vertices of all meshes and point clouds of a file, with units of its comments.
+    """Read the vertices of all meshes and point clouds of a file, with the units in its comments.
 
-    ``variable`` is the order of coordinates that are x, y and z, such as "3,1,2" or "z,x,y".
+    ``variable`` is the order of coordinates that are x, y and z, such as "3,1,2" or "z,x,y". Raise
+    `InputError` if the file is incomplete, or if the vertices are not one wall seen along z.
     """
     form = path.suffix.lower().removeprefix(".")
     vertices, faces, declared = _read_obj(path) if form == "obj" else _read_by_trimesh(path, form)
@@ -48,7 +49,8 @@ def read_mesh(path: Path, variable: str | None = None) -> Contents:
 def _columns_of_x_y_z(variable: str | None) -> list[int]:
     """Return the indices of x, y and z among the coordinates of the vertices of a mesh.
 
-    ``variable`` states their order, such as "z,x,y".
+    ``variable`` states their order, such as "z,x,y" or "3,1,2"; None is "x,y,z". Raise `InputError`
+    if it is no such order.
     """
     known = dict(zip("xyz", range(3), strict=True)) | {str(n + 1): n for n in range(3)}
     words = [word.strip().lower() for word in (variable or "x,y,z").split(",")]
@@ -70,7 +72,10 @@ def _comments(path: Path, form: str) -> list[str]:
 
 
 def _read_by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), merged in STL only, triangles (m, 3), and the declared number."""
+    """Return vertices (n, 3), triangles (m, 3) of their numbers, and the declared number.
+
+    Equal vertices are merged in STL only. The number of vertices is declared in PLY; otherwise 0.
+    """
     with needs("walls", form.upper()):
         import trimesh
     points = [np.empty((0, 3))]
@@ -89,7 +94,10 @@ def _read_by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int
 
 
 def _read_obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return vertices (n, 3), triangles (m, 3), declared number; trimesh drops loose vertices."""
+    """Return the vertices (n, 3), triangles (m, 3), and declared number (else 0) of an OBJ file.
+
+    It is not read by trimesh, which drops vertices without a face. Raise `InputError` without any.
+    """
     vertices: list[str] = []
     faces: list[list[int]] = []
     declared = 0
@@ -112,7 +120,11 @@ def _read_obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
-    """Raise `InputError` if triangles (n, 3) cover more of the plan than their points' hull."""
+    """Raise `InputError` if triangles overlap in the plan, as those of a solid do.
+
+    ``faces`` (m, 3) are numbers of ``points`` (n, 3). They overlap if their areas in the plan sum
+    to more than 1.05 times that of the convex hull of the points.
+    """
     one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
     area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
     try:

@@ -1,4 +1,4 @@
-"""Points of a scan in any order, with gaps and repetitions: a regular grid, or scattered."""
+"""Points of a scan file, in any order and with gaps: recognition of the grid on which they lie."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -20,13 +20,22 @@ from jointclosure.walls.scans.contents import (
 from jointclosure.walls.scans.sheet import TWO_WALLS, check_one_patch, check_sheet
 from jointclosure.walls.stray_points import patch_numbers, stray_points, unique_places
 
-LARGEST_OFFSET = 0.05  # largest distance of a point from its node, in steps, by rounding
-MOST_MOVED = 0.25  # of scattered points: slopes (H = 0.8) are then up to 2 % too large
-_OUTLYING = 3.0  # distance, over the upper quartile of all, beyond which a point is off the grid
-MOST_AMBIGUOUS = 0.01  # share of places with several heights, and of empty nodes, without warning
-_LEAST_UNEVEN = 4  # longer steps between places from which they are taken for rounded
-_COARSE = 0.4  # rounding of places, over the mean distance of points, that is too coarse
-_LEAST_ROUNDED = 8  # places of nodes by whose order they are numbered
+LARGEST_OFFSET = 0.05
+"""Largest distance [steps of the grid] of a point from its node that counts as rounding."""
+MOST_MOVED = 0.25
+"""Largest distance [steps of the grid] by which a point may be moved to its node. Slopes (H = 0.8)
+are then up to 2 % too large."""
+_OUTLYING = 3.0
+"""Distance of a point from its node, over the upper quartile (along one axis: over the median) of
+these distances, beyond which the point is off the grid."""
+MOST_AMBIGUOUS = 0.01
+"""Largest share of places with several heights that is accepted, and of empty nodes inside the wall
+that gives no caution."""
+_LEAST_UNEVEN = 4
+"""Number of empty lines of nodes, or of longer steps between places, from which places are taken
+for coarsely rounded ones."""
+_COARSE = 0.4  # rounding of places, over the mean distance of points, beyond which it is refused
+_LEAST_ROUNDED = 8  # fewest different places along an axis that are numbered in their order
 _DIGITS = 7  # significant digits of a step, those of single precision
 
 SCATTERED = caution(
@@ -39,9 +48,11 @@ SCATTERED = caution(
 def contents_of(
     points: np.ndarray, units: Sequence[str | None] = (None,) * 3, remarks: tuple[str, ...] = ()
 ) -> Contents:
-    """Return points (n, 3) as the regular grid on which they lie, otherwise as points.
+    """Return the contents of a file of points (n, 3): a grid if they lie on one, otherwise points.
 
-    ``units`` are those of x, y and z. Raise `InputError` if the points are no single wall.
+    ``units`` are those of x, y and z, None where not stated; ``remarks`` precede those that are
+    found. Stray points are cut and repeated ones merged. Raise `InputError` if the units of x and y
+    differ, if points with a height lack x or y, or if the points are not a single wall along z.
     """
     along_x, along_y, height = units
     if along_x != along_y:
@@ -60,7 +71,10 @@ def contents_of(
 
 
 def _clean_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return points (n, 3) of a wall, NaN where a height is missing, and remarks."""
+    """Return the points (n, 3) that have a place and are no stray ones, and remarks on the others.
+
+    Missing heights are NaN. Raise `InputError` as `contents_of`, except for units.
+    """
     points = points.astype(float)
     places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
     without_height, remarks = missing_heights(Cloud(points))
@@ -88,15 +102,19 @@ def _clean_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 class _Axis(NamedTuple):
-    """Evenly spaced nodes along an axis, and where each point lies among them."""
+    """Evenly spaced nodes along an axis, and the node next to each point."""
 
-    step: float  # distance of nodes
-    first: float  # place of node 0
-    node: np.ndarray  # nearest node of each point (n,)
-    offset: np.ndarray  # distance of each point from it, in steps (n,)
+    step: float  # distance of neighbouring nodes, in the file's units
+    first: float  # place of node 0, in the file's units
+    node: np.ndarray  # number of the node next to each point (n,)
+    offset: np.ndarray  # place of each point less that of its node, in steps (n,)
 
     def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
-        """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
+        """Number the nodes along this axis from 0, beginning with the first that has a point.
+
+        Only points (n,) of the mask ``on`` count. Return the numbers of their nodes, the number of
+        nodes from the first to the last of these, and the coordinate of the first.
+        """
         low = int(self.node[on].min())
         high = int(self.node[on].max())
         digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
@@ -105,7 +123,11 @@ class _Axis(NamedTuple):
 
 
 def lattice_of(points: np.ndarray) -> Contents | None:
-    """Find the regular grid at whose nodes most points (n, 3) are; None without one."""
+    """Return the regular grid on which points (n, 3) lie, with remarks; None if they do not.
+
+    Nine tenths of the points must lie at nodes; the others are left out. Raise `InputError` if x or
+    y are rounded too coarsely, or if too many places have several heights.
+    """
     if len(points) < 9:
         return None
     # coordinates closer than a twentieth of the mean distance of points count as equal
@@ -145,14 +167,17 @@ def lattice_of(points: np.ndarray) -> Contents | None:
 
 
 def _points_on_nodes(x: _Axis, y: _Axis) -> tuple[np.ndarray, float]:
-    """Return which points lie on the nodes of two axes, and the distance allowed [steps]."""
+    """Return which points (n,) lie at nodes of both axes, and the distance allowed [steps]."""
     offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
     allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
     return offset <= allowed, allowed
 
 
 def _has_all_lines(axes: Sequence[_Axis | None]) -> bool:
-    """Return whether most points lie on nodes of both axes, and few lines of nodes are empty."""
+    """Return whether 0.9 of the points lie at nodes of both axes, and few lines of nodes are empty.
+
+    An axis is None if no even spacing was found along it; the answer is then no.
+    """
     x, y = axes
     if x is None or y is None or (on := _points_on_nodes(x, y)[0]).mean() < 0.9:
         return False
@@ -163,9 +188,9 @@ def _has_all_lines(axes: Sequence[_Axis | None]) -> bool:
 def _equalise_steps(
     axes: Sequence[_Axis | None], points: np.ndarray
 ) -> tuple[list[_Axis | None], tuple[str, ...]]:
-    """Give both axes of rounded places one step, if theirs differ by no more than rounding.
+    """Return both axes of rounded places (n, 3), and remarks on the rounding.
 
-    Return the axes, and remarks on the rounding.
+    If the steps of the axes differ by no more than rounding explains, both get the mean step.
     """
     known = [axis for axis in axes if axis is not None]
     roundings = [step_of(values) for values in points[:, :2].T]
@@ -184,7 +209,11 @@ def _equalise_steps(
 def _irregularity_cautions(
     points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
 ) -> tuple[Caution, ...]:
-    """Return cautions about points that were left out off the nodes, or moved to the nodes."""
+    """Return cautions about points (n, 3) that were left out, as they are off the nodes, or moved.
+
+    The points ``on`` nodes were moved to these by at most ``allowed`` steps; there is no caution if
+    all moves are within rounding (`LARGEST_OFFSET`).
+    """
     remarks = []
     if off := int((~on & np.isfinite(points[:, 2])).sum()):
         remarks.append(
@@ -203,7 +232,11 @@ def _irregularity_cautions(
 
 
 def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
-    """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
+    """Return a remark on the nodes (y, x) of a grid that are not ``occupied`` by a point.
+
+    It is a caution if more than `MOST_AMBIGUOUS` of all nodes are empty inside the wall. There is
+    no remark if no node is empty.
+    """
     empty = int((~occupied).sum())
     inside = int(in_gaps(occupied).sum())
     if inside <= MOST_AMBIGUOUS * occupied.size:
@@ -213,7 +246,11 @@ def _describe_empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
 
 
 def _find_axis(values: np.ndarray, apart: float) -> _Axis | None:
-    """Find the evenly spaced nodes that most values have; None if fewer than three occur."""
+    """Find the evenly spaced nodes along an axis at which most coordinates (n,) of points lie.
+
+    Coordinates closer than ``apart`` are grouped. None if fewer than three groups have about as
+    many points as others.
+    """
     levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
     group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
     size = np.bincount(group, count)
@@ -243,10 +280,12 @@ def _find_axis(values: np.ndarray, apart: float) -> _Axis | None:
 
 
 def _rounded_axis(values: np.ndarray, apart: float) -> _Axis | None:
-    """Number nodes in order whose places were rounded coarsely; None if that does not explain them.
+    """Find the nodes along an axis of coordinates (n,) that were rounded coarsely; None if not so.
 
-    The step of the nodes is then no multiple of that of the rounding, and each place lies within
-    half of the latter of its node. Nodes that are finer than the rounding have no numbers.
+    The different coordinates are numbered in their order, and a straight line through them gives
+    the step of the nodes. Coarse rounding is accepted as an explanation if each coordinate is
+    within about half of a rounding step of the line, if the step of the nodes is larger than the
+    rounding step and no multiple of it, and if some nodes follow at longer steps than others.
     """
     levels = np.unique(values[np.isfinite(values)])
     rounding = step_of(values)
@@ -266,7 +305,10 @@ def _rounded_axis(values: np.ndarray, apart: float) -> _Axis | None:
 
 
 def _check_resolution(points: np.ndarray, occupied: np.ndarray) -> None:
-    """Raise `InputError` if coarsely rounded x or y leave lines of a grid (y, x) empty."""
+    """Raise `InputError` if x or y of points (n, 3) are rounded so coarsely that lines are empty.
+
+    Lines are the rows and columns of the grid; ``occupied`` (y, x) tells which nodes have a point.
+    """
     known = [np.flatnonzero(occupied.sum(axis=axis)) for axis in (0, 1)]
     lines = [len(places) for places in known]
     empty = [int(np.ptp(places)) + 1 - len(places) for places in known]
@@ -287,7 +329,12 @@ def _check_resolution(points: np.ndarray, occupied: np.ndarray) -> None:
 def _merge_repeated(
     numbers: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """Return numbers of places with a height, heights (NaN if there are several), and remarks."""
+    """Merge points (n, 3) at the same place; ``numbers`` (n,) tell the place of each point.
+
+    Return the numbers (m,) of the places with a height, ascending, their heights (m,), and remarks.
+    A place with different heights has NaN. Raise `InputError` if more than `MOST_AMBIGUOUS` of the
+    places are so.
+    """
     known = np.flatnonzero(np.isfinite(points[:, 2]))
     known = known[np.argsort(numbers[known], kind="stable")]
     heights = points[known, 2]

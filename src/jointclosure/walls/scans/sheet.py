@@ -12,23 +12,29 @@ from jointclosure.inputs import InputError
 from jointclosure.statistics.number_texts import percent
 from jointclosure.walls.rounding import step_of
 
-_SAMPLE = 2000  # most points whose neighbours are compared
-_NEIGHBOURS = 12  # of a point, so many that both sheets have some
-_LEAST_POINTS = 100  # fewer points are judged by later checks
-_SMOOTH = 0.5  # scatter of neighbours over that of all points below which they lie on one sheet
-_ROUGH = 0.3  # the same above which heights along z may be those of a sheet along another axis
-_APART = 0.55  # the same above which neighbours may lie on two sheets
-_TWO_LEVELS = 1.75  # median kurtosis of neighbours below which they lie on two sheets
-_FLAT = 1e-9  # deviation from a plane over the heights that is rounding
-_THIN = 0.05  # largest thickness of a rough or flat sheet over its shorter side
-_LEAST_GAP = 0.06  # of two sheets, over the standard deviation of all heights
-_SPLIT = 0.5  # share of neighbourhoods in which a gap is more than half of their height: two sheets
-_STEEP_SHARE = 0.05  # of points with another far above or below them: faces of a solid
-_NEAR = 0.3  # largest distance of such points in the plan, over the mean one of all points
-_AT_ONE_PLACE = 0.02  # the same of a rough sheet, on which near points have different heights
-_FAR = 0.2  # height of such points above each other over that of all
-_INEXACT = 0.05  # largest step of coordinates in single precision, over the distance of points
-_PATCH = 0.1  # share of points of a second patch that is a wall
+_SAMPLE = 2000  # largest number of points whose neighbourhoods are compared
+_NEIGHBOURS = 12  # neighbours of a point in the plan, so many that both of two sheets have some
+_LEAST_POINTS = 100  # fewer points are not judged here, but by later checks
+
+# Relative scatter: the scatter of heights within a neighbourhood over that of all heights, see
+# `_Neighbours.scatter`. It is small on one sheet.
+_SMOOTH = 0.5  # largest relative scatter of heights along x or y for a sheet along that axis
+_ROUGH = 0.3  # relative scatter above which heights along z may be no heights of a sheet
+_APART = 0.55  # relative scatter above which a neighbourhood may contain two sheets
+
+_TWO_LEVELS = 1.75  # median kurtosis of neighbourhoods below which they contain two sheets
+_FLAT = 1e-9  # deviation of all heights from their plane, over the heights, that is rounding
+_THIN = 0.05  # largest thickness of points, over their shorter side, for one rough or flat sheet
+_LEAST_GAP = 0.06  # least height of a neighbourhood with a gap, over the deviation of all heights
+_SPLIT = 0.5
+"""Share of neighbourhoods above which points lie on two sheets, if one gap between consecutive
+heights is more than half of the height of these neighbourhoods."""
+_STEEP_SHARE = 0.05  # share of points beside another height above which they are a solid's faces
+_NEAR = 0.3  # largest distance in the plan of points beside each other, over the mean distance
+_AT_ONE_PLACE = 0.02  # the same limit for rough sheets, on which near points differ in height
+_FAR = 0.2  # least difference in height of points beside each other on a face, over that of all
+_INEXACT = 0.05  # largest step of single precision in x and y, over the distance of points
+_PATCH = 0.1  # share of points above which a second patch of points is a second wall
 _TURNED = {0: ("x", "2,3,1"), 1: ("y", "3,1,2")}
 """Axes along which heights may lie, and columns that turn them to z without mirroring the wall."""
 TWO_WALLS = "a solid or both walls in one file must be cut to one wall"
@@ -36,18 +42,19 @@ TWO_WALLS = "a solid or both walls in one file must be cut to one wall"
 
 
 class _Neighbours(NamedTuple):
-    """Heights of neighbours, which show whether points are one sheet."""
+    """Heights in the neighbourhoods of some points, which show whether all points are one sheet.
 
-    heights: (
-        np.ndarray
-    )  # of the neighbours of n points (n, k), less the plane of each neighbourhood
-    apart: np.ndarray  # distances of these neighbours in the plan (n, k)
+    A neighbourhood is a point and its `_NEIGHBOURS` nearest ones in the plan; the point is first.
+    """
+
+    heights: np.ndarray  # of n neighbourhoods (n, k), less the plane of each
+    apart: np.ndarray  # distances in the plan (n, k) from the first point of each neighbourhood
     all_heights: np.ndarray  # of all points (m,), less their plane
     raw: np.ndarray  # of all points (m,), as given
 
     @property
     def scatter(self) -> float:
-        """Median standard deviation of neighbours over the one of all points."""
+        """Median standard deviation within neighbourhoods over that of all heights; 0 if flat."""
         total = float(np.std(self.all_heights))
         if total <= _FLAT * float(np.abs(self.raw).max()):
             return 0.0
@@ -55,7 +62,10 @@ class _Neighbours(NamedTuple):
 
 
 def _neighbours(points: np.ndarray, axis: int) -> _Neighbours:
-    """Find the neighbours of a sample of points in the plan across an axis."""
+    """Return neighbourhoods of points (n, 3) with heights along an axis (0: x, 1: y, 2: z).
+
+    They are those of at most `_SAMPLE` points, by distances across the axis.
+    """
     plan = np.delete(points, axis, axis=1)
     heights = points[:, axis]
     plan = plan - plan.mean(axis=0)
@@ -73,7 +83,10 @@ def _neighbours(points: np.ndarray, axis: int) -> _Neighbours:
 
 
 def check_sheet(points: np.ndarray) -> None:
-    """Raise `InputError` unless known points (n, 3) are one wall, whose heights lie along z."""
+    """Raise `InputError` unless finite points (n, 3) are one wall, whose heights lie along z.
+
+    It is raised too if x and y are stored too coarsely. Fewer than `_LEAST_POINTS` are accepted.
+    """
     if len(points) < _LEAST_POINTS:
         return
     check_precision_of_places(points)
@@ -107,10 +120,11 @@ def check_sheet(points: np.ndarray) -> None:
 
 
 def _has_two_levels(seen: _Neighbours) -> bool:
-    """Return whether neighbours are far apart and on two levels, which are not those of rounding.
+    """Return whether heights within neighbourhoods scatter widely and have two levels.
 
-    The kurtosis of 13 heights is 2.3 on rough walls, 2.0 for uniform noise, 1.3 to 1.65 on the two
-    walls of a joint at first touch.
+    Levels that are only steps of rounding do not count. The kurtosis of 13 heights shows levels: it
+    is 2.3 on rough walls, 2.0 for uniform noise, and 1.3 to 1.65 on the two walls of a joint at
+    first touch.
     """
     squares = np.mean(seen.heights**2, axis=1)
     known = squares > 0.0
@@ -124,9 +138,9 @@ def _has_two_levels(seen: _Neighbours) -> bool:
 
 
 def _check_upright(points: np.ndarray, scatter: float) -> None:
-    """Raise `InputError` if points (n, 3) are a sheet with heights along another axis than z.
+    """Raise `InputError` if points (n, 3) are a sheet whose heights lie along x or y, not z.
 
-    ``scatter`` is that of heights along z among neighbours (`_neighbours`).
+    ``scatter`` is the relative scatter of heights along z (`_Neighbours.scatter`).
     """
     thickness, directions = np.linalg.eigh(np.cov(points.T))
     thin = thickness[0] < _THIN**2 * thickness[1] and scatter > _ROUGH
@@ -138,7 +152,10 @@ def _check_upright(points: np.ndarray, scatter: float) -> None:
 
 
 def check_one_patch(members: np.ndarray) -> None:
-    """Raise `InputError` if the second of the patches of points, by their counts, is a wall."""
+    """Raise `InputError` if the second largest patch of points is so large that it is a wall too.
+
+    ``members`` (patches,) are the numbers of points of separate patches.
+    """
     sizes = np.sort(members)[::-1]
     if len(sizes) > 1 and sizes[1] > _PATCH * sizes.sum():
         raise InputError(
@@ -148,7 +165,10 @@ def check_one_patch(members: np.ndarray) -> None:
 
 
 def vertical(axis: str, columns: str) -> str:
-    """Return the message on a wall that is not seen along z."""
+    """Return the message on a wall whose heights lie along an ``axis`` (x or y), not z.
+
+    ``columns`` is the order of coordinates that turns its heights to z, such as "2,3,1".
+    """
     return (
         f"the heights of the wall lie along {axis}, not along z, as in a vertical scan: heights "
         f"must be the third coordinate; for points of a text file or a mesh, variable = "
@@ -158,10 +178,10 @@ def vertical(axis: str, columns: str) -> str:
 
 
 def in_single_precision(values: np.ndarray) -> float:
-    """Return the step of single precision at the largest of values that are stored in it; else 0.
+    """Return the step of single precision at the largest of values, if they are stored in it.
 
-    Values that were rounded more coarsely, as to 0.5, may fit single precision by chance, and count
-    as not stored in it.
+    Otherwise return 0. NaN are ignored. Values that were rounded more coarsely, as to 0.5, may be
+    exact in single precision by chance, and count as not stored in it.
     """
     known = values[np.isfinite(values)]
     if not known.size or float(np.abs(known).max()) > np.finfo(np.float32).max:
@@ -173,7 +193,7 @@ def in_single_precision(values: np.ndarray) -> float:
 
 
 def check_precision_of_places(points: np.ndarray) -> None:
-    """Raise `InputError` if single precision is too coarse for the places of points (n, 3)."""
+    """Raise `InputError` if single precision is too coarse for x or y of points (n, 3)."""
     distance = float(np.sqrt(np.prod(np.sort(np.ptp(points, axis=0))[1:]) / len(points)))
     for name, values in zip("xyz", points.T, strict=True):
         step = in_single_precision(values)
@@ -184,7 +204,10 @@ def check_precision_of_places(points: np.ndarray) -> None:
 
 
 def check_precision_of_heights(differences: np.ndarray, heights: np.ndarray) -> None:
-    """Raise `InputError` if single precision is coarser than the differences of neighbours."""
+    """Raise `InputError` if single precision is too coarse for ``heights`` stored in it.
+
+    It is so if its step exceeds the rms of the ``differences`` of neighbours; NaN are ignored.
+    """
     known = differences[np.isfinite(differences)]
     step = in_single_precision(heights)
     usual = float(np.sqrt(np.mean(known**2))) if known.size else 0.0

@@ -1,4 +1,4 @@
-"""Text files, as instruments and people write them: points, columns, matrices of heights."""
+"""Text files of scanned walls as instruments and people write them: points, matrices of heights."""
 
 import re
 from collections.abc import Sequence
@@ -26,24 +26,24 @@ _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "ba
 """Words for a missing value."""
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")  # which no text has; \x1a ends old files
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # first bytes of a text in this encoding
-_LEAST_PLACES = 5  # fewest evenly spaced numbers that are places and not heights
+_LEAST_PLACES = 5  # fewest evenly spaced numbers that are taken for places and not for heights
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 """A number with a decimal comma."""
-LEAST_COLUMNS = 12  # of a matrix without names; points with colours have ten
+LEAST_COLUMNS = 12  # fewest columns of a matrix without names; points with colours have ten
 
 
 class Table(NamedTuple):
-    """Table of numbers in a text file."""
+    """Table of numbers in a text file, with the names and units of its columns."""
 
     values: np.ndarray  # (rows, columns), NaN where missing
-    names: list[str]  # of the columns, or none
-    units: list[str | None]  # of the columns, by a line of units; None where it has none
+    names: list[str]  # of the columns; empty if the file has none
+    units: list[str | None]  # of the columns, as a line of units states them, else None
     remarks: tuple[str, ...]
-    header: Header = Header()  # statements of the other lines
+    header: Header = Header()  # statements of the lines without numbers, names and units
 
 
 class _Form(NamedTuple):
-    """Separator of words (None: blanks) and sign before decimals."""
+    """Form of a line of numbers: separator of words (None: blanks), and decimal sign."""
 
     separator: str | None
     decimal: str
@@ -53,7 +53,7 @@ class _Form(NamedTuple):
         return [word.strip().strip('"') for word in line.split(self.separator)]
 
     def numbers(self, line: str) -> list[float]:
-        """Return numbers, NaN for words for missing ones; `ValueError` for other words."""
+        """Return the numbers of a line, NaN for words of `_MISSING`; `ValueError` for others."""
         return [
             np.nan if word.lower() in _MISSING else float(word.replace(self.decimal, "."))
             for word in self.words(line)
@@ -61,9 +61,10 @@ class _Form(NamedTuple):
 
 
 def read_text_scan(path: Path, variable: str | None) -> Contents:
-    """Read a text file of points, with x, y and z in a line, or of a matrix of heights.
+    """Read a text file of points, with x, y and z in each line, or of a matrix of heights.
 
-    ``variable`` chooses the three columns of points among others.
+    ``variable`` chooses the three columns of points among others, such as "x,y,height" or "1,2,4".
+    Raise `InputError` if the file is no such table, or not a single wall.
     """
     table = read_table(path)
     if variable is None and (matrix := _matrix(table)) is not None:
@@ -74,9 +75,10 @@ def read_text_scan(path: Path, variable: str | None) -> Contents:
 
 
 def _matrix(table: Table) -> Contents | None:
-    """Return a table as a matrix of heights; None if it is one of points.
+    """Return the contents of a table that is a matrix of heights; None if it is one of points.
 
-    A first row of x and a first column of y, its frame, state the grid.
+    A matrix may have a frame: a first row of x and a first column of y, from which the heights are
+    placed. Raise `InputError` if only the row or only the column is evenly spaced as places are.
     """
     values = table.values
     if table.names:  # x of a frame whose corner is a word
@@ -113,7 +115,7 @@ def _matrix(table: Table) -> Contents | None:
 
 
 def read_matrix(path: Path) -> Contents:
-    """Read a text file as one matrix (y, x), of heights or of places."""
+    """Read a text file as one matrix (y, x) of heights or of places; a spacing is not read."""
     with reading_as("a matrix"):
         table = read_table(path)
     height_units = table.header.height_units
@@ -122,13 +124,20 @@ def read_matrix(path: Path) -> Contents:
 
 
 def unit_of_column(table: Table, column: int) -> str | None:
-    """Return the unit of a column from its name or from the line of units below the names."""
+    """Return the unit of a column from its name or from the line of units; None without.
+
+    Raise `InputError` if both state different units.
+    """
     name = table.names[column] if table.names else ""
     return same_units(f"the column {name!r}", split_name(name)[1], table.units[column])
 
 
 def _columns(table: Table, variable: str | None) -> list[int]:
-    """Return the numbers of the columns of x, y and z."""
+    """Return the numbers, from 0, of the columns of x, y and z in a table of points.
+
+    ``variable`` states their names, or their numbers from 1. Raise `InputError` if they are not
+    found.
+    """
     names = table.names
     width = table.values.shape[1]
     must = f"or {VARIABLE} must state them, such as 1,2,3"
@@ -158,7 +167,9 @@ def _columns(table: Table, variable: str | None) -> list[int]:
 def read_table(path: Path, axes: Sequence[set[str]] = ({"x", "y", "z"},)) -> Table:
     """Read a table of numbers; separators, decimal commas, names and comments are detected.
 
-    A line of names has all ``axes`` of one of the sets, or more than two words.
+    A line before the numbers is a line of names if it has all names of one of the sets of ``axes``,
+    or more than two words, about as many as there are columns. Raise `InputError` if the file is
+    not text or has no table.
     """
     content = path.read_bytes()
     if not is_text(content):
@@ -194,7 +205,12 @@ def read_table(path: Path, axes: Sequence[set[str]] = ({"x", "y", "z"},)) -> Tab
 
 
 def _read_values(lines: list[str], form: _Form, names: list[str], remarks: list[str]) -> np.ndarray:
-    """Return numbers (rows, columns) of lines, NaN in shorter ones; add remarks on other lines."""
+    """Return the numbers (rows, columns) of lines in a form, NaN in lines with fewer numbers.
+
+    Lines that repeat the ``names`` are skipped, and empty last columns are cut. Adds to the list of
+    ``remarks`` what was left out. Raise `InputError` for other words, or lines with more numbers
+    than most.
+    """
     counts = np.array([len(form.words(line)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
@@ -223,7 +239,11 @@ def _read_values(lines: list[str], form: _Form, names: list[str], remarks: list[
 
 
 def are_places(values: np.ndarray) -> bool:
-    """Return whether numbers (n,) are evenly spaced, rising or falling, within `LARGEST_OFFSET`."""
+    """Return whether numbers (n,) are evenly spaced, as places are, rising or falling.
+
+    They may be off by `LARGEST_OFFSET` of a step. Fewer than `_LEAST_PLACES` numbers, or numbers
+    with a NaN, are not.
+    """
     if len(values) < _LEAST_PLACES or not np.isfinite(values).all():
         return False
     step = (values[-1] - values[0]) / (len(values) - 1)
@@ -247,7 +267,7 @@ def _decode(content: bytes) -> str:
 
 
 def _detect_form(line: str) -> _Form:
-    """Return the separator and the decimal sign of a line of numbers."""
+    """Return the form of a line of numbers: its separator and its decimal sign."""
     for mark in (";", "\t"):
         if mark in line.strip():
             return _Form(mark, "," if "," in line and "." not in line else ".")
@@ -258,7 +278,7 @@ def _detect_form(line: str) -> _Form:
 
 
 def _is_data(line: str) -> bool:
-    """Return whether a line has at least two numbers, and otherwise only missing values."""
+    """Return whether a line is of a table: at least two numbers, and else words of `_MISSING`."""
     try:
         return int(np.isfinite(_detect_form(line).numbers(line)).sum()) >= 2
     except ValueError:
@@ -268,7 +288,12 @@ def _is_data(line: str) -> bool:
 def _find_names(
     head: list[str], width: int, axes: Sequence[set[str]]
 ) -> tuple[list[str], list[str | None], list[str], list[str]]:
-    """Return names of columns (also of a comment), their units, remarks, and the other lines."""
+    """Find names and units of columns in the lines without numbers, the ``head`` of a file.
+
+    Return the names (empty without; comments may have them), the units, remarks on lines that were
+    skipped or repeated, and the lines of neither names nor units. ``width`` is the number of
+    columns, ``axes`` are those of `read_table`.
+    """
     names: list[str] = []
     units: list[str | None] = []
     remarks = []
@@ -295,13 +320,13 @@ def _find_names(
 
 
 def _is_units(line: str, words: list[str]) -> bool:
-    """Return whether a line has units of columns: two or more, and at least half of its words."""
+    """Return whether a line states units of columns: two or more, at least half of its words."""
     count = sum(unit_in(word) is not None for word in words)
     return count > 1 and 2 * count >= len(words) and not re.search(r"[\d:=]", line)
 
 
 def _split_names(line: str) -> list[str]:
-    """Return the words of a line of names, each with a unit in brackets behind it."""
+    """Return the names in a line of names; a unit in brackets stays with its name."""
     mark = next((mark for mark in (";", "\t", ",") if mark in line), None)
     glued = line if mark else re.sub(r"\s+([(\[])", r"\1", line)
     words = [word.strip().strip('"') for word in glued.split(mark)]
