@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.parameters import Numerics
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.storage.files import read_csv
 from studies.frame.configuration import merged, model, read_stored
@@ -88,6 +89,21 @@ def test_the_last_lines_of_a_run_have_half_of_the_95_percent_interval():
         "slate: mean net closure since seating 0.50 ± 0.13 mm on cycle 1 "
         "(± half of the 95 % interval, 2 joints)"
     ]
+
+
+def test_a_second_study_is_advised_with_smaller_errors_than_those_of_the_study():
+    """Of a study that resolves breakage, to resolve it would advise the same study again."""
+    numerics = Numerics()
+    assert report.finer_numerics(numerics._replace(breakage="fixed_step")) == (
+        "numerics: {breakage: resolved}"
+    )
+    resolved = numerics._replace(breakage="resolved", tolerance=0.02)
+    words = "numerics: {breakage: resolved, tolerance: 0.004}"
+    assert report.finer_numerics(resolved) == words
+    assert words in render(report.content(material()) | {
+        "finer_numerics": words,
+        "frames": report.content(material())["frames"] | {"table_3": pd.DataFrame({"a": [1]})},
+    })  # fmt: skip
 
 
 def test_settings_that_differ_from_the_papers_are_found():

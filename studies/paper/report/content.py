@@ -10,7 +10,7 @@ import xarray as xr
 
 from jointclosure.cli.report import Picture, provenance_rows, size_text
 from jointclosure.execution.progress import duration
-from jointclosure.parameters import PROPERTIES
+from jointclosure.parameters import PROPERTIES, Numerics
 from jointclosure.statistics.number_texts import number_text, percent, rounded
 from jointclosure.statistics.standard_errors import (
     Estimate,
@@ -99,6 +99,7 @@ def content(material: Material) -> dict:
         "test": test_name(known.get("table_3_indifference", pd.DataFrame())),
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
+        "finer_numerics": finer_numerics(configuration.numerics),
         "departures": departures(rows),
         "failed_checks": int((~known["checks"].passed).sum()),
         "limited_checks": int((known["checks"].required != REPORTED).sum()),
@@ -108,6 +109,15 @@ def content(material: Material) -> dict:
         "frames": frames_of(study, known, About(titles, of_paper))
         | {"configuration": rows, "in_short": numbers},
     }
+
+
+def finer_numerics(numerics: Numerics) -> str:
+    """Return the key of a configuration with smaller errors than those of ``numerics``.
+
+    It resolves breakage, with a fifth of the tolerance where breakage is resolved already.
+    """
+    finer = f", tolerance: {numerics.tolerance / 5.0:g}" if numerics.breakage == "resolved" else ""
+    return f"numerics: {{breakage: resolved{finer}}}"
 
 
 def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
