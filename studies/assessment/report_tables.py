@@ -14,6 +14,7 @@ from jointclosure.assessment.assessed_results import CLOSURE, JUDGED, STIFFNESS
 from jointclosure.assessment.effect_names import without
 from jointclosure.assessment.verdicts import (
     GIVEN_UP,
+    KEPT_UNTESTED,
     NEEDED_AS_FAILS,
     is_given_up,
     results_beyond,
@@ -46,7 +47,9 @@ GROSS = JUDGED[1]
 MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
-"""States of an effect: off, left out by `effects.auto`, needed by the joints, not tested."""
+KEPT = "kept"
+"""States of an effect: off, left out by `effects.auto`, needed by the joints, not tested, and kept
+as joints take longer without it."""
 
 
 class _Closed(NamedTuple):
@@ -257,11 +260,14 @@ SHOWN_COLUMNS = JUDGED_COLUMNS | {STIFFNESS: "stiffness"}
 def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
     """Return differences from a reference on the same walls (joint,), of the cycle at ``place``.
 
+    Either variant may have only the first joints of the other, where one was given up.
+
     Their means are the relative change of the mean net closure, the difference of the shares of
     the mean closure that remain (ratios of means, the scatter by the delta method), and the
     relative changes of the mean gross closure and of the harmonic mean of the net chord stiffness.
     """
-    of_both = [[part[:, place] for part in of[:4]] for of in (own, best)]
+    first = min(len(own.closures), len(best.closures))
+    of_both = [[part[:first, place] for part in of[:4]] for of in (own, best)]
     known = np.isfinite(of_both).all(axis=(0, 1))
     (one, one_stays, one_gross, one_yields), (two, two_stays, two_gross, two_yields) = (
         [values[known] for values in of] for of in of_both
@@ -373,7 +379,7 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
 def with_failures(table: pd.DataFrame) -> pd.DataFrame:
     """Set the state of effects without which joints fail or are given up, and count these joints.
 
-    It is `NEEDED` where they fail, and `NOT_TESTED` where one was given up.
+    It is `NEEDED` where they fail, and `KEPT` where one was given up.
     """
     fails = (table.kind == EFFECTS) & (table.failed > 0)
     total = table.joints + table.failed
@@ -381,11 +387,10 @@ def with_failures(table: pd.DataFrame) -> pd.DataFrame:
         state = NEEDED
         counts = f"{table.failed[place]:.0f} of {total[place]:.0f} joints fail without it"
         if table.given_up[place] > 0:
-            state = NOT_TESTED
-            counts = (
-                f"without it {table.given_up[place]:.0f} of {total[place]:.0f} joints take more "
-                f"than {MOST_BREAKAGE_STEPS:g} breakage steps a cell, and were given up"
-            )
+            state = KEPT
+            of = f"{table.given_up[place]:.0f} of {total[place]:.0f} joints"
+            steps = f"{MOST_BREAKAGE_STEPS:,.0f} breakage steps a cell"
+            counts = f"{KEPT_UNTESTED} (given up after {steps}: {of})"
         table.loc[place, ["state", "reason"]] = state, counts
     return table
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ def close_joints(
     report: Report = lambda line: None,
     closed: Mapping[str, Row] = {},
     repeat: str = "",
+    ends: Callable[[Row], bool] = lambda row: False,
 ) -> xr.Dataset:
     """Close the joints of a point, one for each pair of walls.
 
@@ -55,6 +57,9 @@ def close_joints(
         hexadecimal digits).
     repeat : str
         Command that repeats a realisation, without its number; for the log.
+    ends : callable
+        Called with the row of each joint; no further joint is simulated after one for which it
+        returns True.
 
     Returns
     -------
@@ -76,6 +81,8 @@ def close_joints(
             raise
         report(f"realisation {number}: {_described(row, again)}")
         rows.append(row)
+        if ends(row):
+            break
     return joined_rows(rows, point, reading)
 
 
@@ -84,15 +91,19 @@ def close_points(
     names: Sequence[str],
     report: Report = lambda line: None,
     walls: Sequence[Walls] | None = None,
+    ends: Callable[[Point, Row], bool] = lambda point, row: False,
 ) -> xr.Dataset:
     """Close the joints of several points, and join them along ``joint``; see `close_joints`.
 
-    Each point makes its walls. If ``walls`` are given, every point has these.
+    Each point makes its walls. If ``walls`` are given, every point has these. The joints of a point
+    end after one for which ``ends`` is true of the point and the row of the joint.
     """
     parts = []
     for point in points:
         report(", ".join(f"{name} {value}" for name, value in point.coordinates.items()))
-        parts.append(close_joints(point, walls or point.walls(), names, report=report))
+        of_point = walls or point.walls()
+        here = partial(ends, point)
+        parts.append(close_joints(point, of_point, names, report=report, ends=here))
     # joints of fewer cycles than others of their file have NaN in the later ones
     return xr.concat(
         parts,

@@ -2,6 +2,7 @@
 
 import functools
 import html
+import json
 import re
 
 import numpy as np
@@ -89,6 +90,23 @@ def test_the_last_lines_of_a_run_have_half_of_the_95_percent_interval():
         "slate: mean net closure since seating 0.50 ± 0.13 mm on cycle 1 "
         "(± half of the 95 % interval, 2 joints)"
     ]
+
+
+def test_the_report_has_the_sentences_by_which_effects_were_chosen():
+    reasons = ["without interaction the mean closure changes by 61 %: kept (tolerance 5 %)"]
+    study = material().study
+    assert report.chosen_effects(study, {"slate": "Slate"}) == {}
+    chosen = {"slate": {"cases": {"slate-base": {"reasons": reasons}}}}
+    study = study.assign_attrs(effects_chosen=json.dumps(chosen))
+    page = render(report.content(material()._replace(study=study)))
+    assert report.chosen_effects(study, {"slate": "Slate"}) == {"Slate": reasons}
+    assert reasons[0] in page
+
+
+def test_pictures_follow_the_first_paragraph():
+    page = render(report.content(material()))
+    first = page.index("half of the 95 % interval.</p>")
+    assert first < page.index('class="panels"') < page.index("Closure is net:")
 
 
 def test_a_second_study_is_advised_with_smaller_errors_than_those_of_the_study():

@@ -31,11 +31,14 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report.page_tables import About, frames_of, with_limits
+from studies.paper.report.stability import stability
 from studies.paper.report.verdicts import (
     JUMPS,
     REFERENCE,
     TOO_FEW,
+    VERDICT_OF,
     is_too_wide,
+    is_unknown,
     verdict_of_cycles,
 )
 from studies.paper.requirements import REPORTED
@@ -93,6 +96,8 @@ def content(material: Material) -> dict:
         "outcome": outcome(study, titles),
         "jumping": jumping(known["study_hardness"]) if "study_hardness" in known else 0,
         "assessed": of_assessment,
+        "chosen_effects": chosen_effects(study, titles),
+        "stability": stability(known, of_assessment),
         "scanned": scanned_walls(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
@@ -118,6 +123,19 @@ def finer_numerics(numerics: Numerics) -> str:
     """
     finer = f", tolerance: {numerics.tolerance / 5.0:g}" if numerics.breakage == "resolved" else ""
     return f"numerics: {{breakage: resolved{finer}}}"
+
+
+def chosen_effects(study: xr.Dataset, titles: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the sentences by which `effects.auto` decided on effects, by the title of a rock.
+
+    It is empty for a study that states its effects.
+    """
+    chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
+    return {
+        titles[rock]: [reason for case in about["cases"].values() for reason in case["reasons"]]
+        for rock, about in chosen.items()
+        if rock in titles
+    }
 
 
 def scanned_walls(study: xr.Dataset) -> dict[str, dict]:
@@ -214,16 +232,17 @@ def assessed(
         f"{with_unit(row, 'gross_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
         for _, row in reached.iterrows()
     ]
+    about["prices"] = prices(settings, about["within"])
     about["errors_of"] = {
         title: [
             f"{with_unit(row, name, '%')} on cycle {row.cycle:.0f}"
             for _, row in reached.iterrows()
-            if name in row and not is_too_wide(row, name)
+            if name in row and not is_unknown(row, name)
         ]
         for name, title in ERRORS.items()
     }
     about["unknown_errors"] = any(
-        is_too_wide(row, name) for _, row in reached.iterrows() for name in ERRORS
+        is_unknown(row, name) for _, row in reached.iterrows() for name in ERRORS
     )
     about["errors_of_share"] = [
         with_unit(row, "remains_points", "percentage points")
@@ -241,6 +260,25 @@ def assessed(
     rocks = [*titles] if larger > 0 else str(cost.rocks).split(", ")
     about["rocks"] = [titles[rock] for rock in rocks]
     return about
+
+
+def prices(settings: pd.DataFrame, within: str) -> list[str]:
+    """Say of each setting of the numerics what time a joint takes, and the verdict on its error.
+
+    ``settings`` are rows of the study's assessment, in the order of their accuracy, and ``within``
+    is the request in words. Settings whose time is not known are left out.
+    """
+    words = {
+        REFERENCE: "the finest setting, with which others are compared",
+        VERDICT_OF[True]: f"its error is within {within}",
+        VERDICT_OF[False]: f"its error is beyond {within}",
+        VERDICT_OF[None]: f"these joints do not show whether its error is within {within}",
+    }
+    return [
+        f"{number_text(seconds, 2)} s by {name} ({words[verdict_of_cycles(rows)]})"
+        for name, rows in settings.groupby("variant", sort=False)
+        if np.isfinite(seconds := float(rows.seconds.iloc[0]))
+    ]
 
 
 def with_unit(row: pd.Series, name: str, unit: str) -> str:
