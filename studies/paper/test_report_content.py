@@ -92,6 +92,33 @@ def test_the_last_lines_of_a_run_have_half_of_the_95_percent_interval():
     ]
 
 
+def test_measured_closures_stand_beside_those_of_the_model():
+    fits = pd.DataFrame({
+        "rock": "slate", "cycle": ["1", "2", "all"], "largest_closure_mm": [0.236, 0.0623, 0.236],
+    })  # fmt: skip
+    numbers = pd.DataFrame({"Rock": ["Slate"]})
+    for cycle, (mean, half) in enumerate([(0.34, 0.12), (0.0153, 0.0026)], start=1):
+        numbers[report.CLOSES.format(cycle=cycle)] = mean
+        numbers[report.CLOSES.format(cycle=cycle) + report.HALF_WIDTH] = half
+    (sentence,) = report.measured_closures(fits, numbers, {"slate": "Slate"})
+    assert sentence.startswith(
+        "The measured joint of Slate closes by 0.24 mm and 0.062 mm on cycle 1 and cycle 2, the "
+        "joints of the model by 0.34 ± 0.12 mm and 0.0153 ± 0.0026 mm"
+    )
+    assert report.measured_closures(None, numbers, {}) == []
+
+
+def test_claims_are_folded_where_no_rock_is_the_papers():
+    shown = report.content(material())
+    claims = pd.DataFrame({
+        "number": ["1"], "claim": ["closure"], "verdict": ["stands"], "found": [""],
+        "found_here": ["yes"],
+    })  # fmt: skip
+    page = shown | {"frames": shown["frames"] | {"claims": claims}}
+    assert "<details>" in render(page | {"compared": []})
+    assert "<details>" not in render(page | {"compared": ["Slate"]})
+
+
 def test_the_report_has_the_sentences_by_which_effects_were_chosen():
     reasons = ["without interaction the mean closure changes by 61 %: kept (tolerance 5 %)"]
     study = material().study

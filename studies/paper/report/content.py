@@ -96,6 +96,7 @@ def content(material: Material) -> dict:
         "outcome": outcome(study, titles),
         "jumping": jumping(known["study_hardness"]) if "study_hardness" in known else 0,
         "assessed": of_assessment,
+        "measured": measured_closures(known.get("measured_fit"), numbers, titles),
         "chosen_effects": chosen_effects(study, titles),
         "stability": stability(known, of_assessment),
         "scanned": scanned_walls(study),
@@ -367,6 +368,32 @@ def _with_half_width(name: str, estimate: Estimate, joints: int) -> dict[str, ob
         name: estimate.value,
         f"{name}{HALF_WIDTH}": half_width(estimate.standard_error, joints),
     }
+
+
+def measured_closures(
+    fits: pd.DataFrame | None, numbers: pd.DataFrame, titles: Mapping[str, str]
+) -> list[str]:
+    """Return a sentence on measured closures and those of the model for each measured rock.
+
+    ``fits`` is the table ``measured_fit``, or None, and ``numbers`` that of `summary_frame`.
+    """
+    sentences = []
+    cycles = None if fits is None else fits[fits.cycle.astype(str) != "all"]
+    for rock, rows in () if cycles is None else cycles.groupby("rock", sort=False):
+        of_rock = numbers[numbers.Rock == titles[str(rock)]].iloc[0]
+        columns = {cycle: CLOSES.format(cycle=cycle) for cycle in rows.cycle}
+        measured = [f"{number_text(value, 2)} mm" for value in rows.largest_closure_mm]
+        modelled = [
+            f"{rounded(of_rock[name], of_rock[f'{name}{HALF_WIDTH}'])} mm"
+            for name in columns.values()
+        ]
+        where = " and ".join(f"cycle {cycle}" for cycle in columns)
+        sentences.append(
+            f"The measured joint of {titles[str(rock)]} closes by {' and '.join(measured)} on "
+            f"{where}, the joints of the model by {' and '.join(modelled)} (largest net closure "
+            "since seating; the measured curve may end at a lower stress)."
+        )
+    return sentences
 
 
 def ranges_over_rocks(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:
