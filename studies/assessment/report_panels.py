@@ -21,7 +21,14 @@ from studies.assessment.report_tables import (
     SETTING,
 )
 from studies.frame.panels import key, point_key
-from studies.paper.report.verdicts import REFERENCE, TOO_FEW, WIDEST, is_too_wide, verdict_of_cycles
+from studies.paper.report.verdicts import (
+    REFERENCE,
+    TOO_FEW,
+    WIDEST,
+    has_interval,
+    is_too_wide,
+    verdict_of_cycles,
+)
 from studies.paper.tables_1_to_3 import figure_text
 
 SIZE = (4.2, 3.6)
@@ -76,7 +83,7 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
     joined: dict[str, list[tuple[float, float]]] = {name: [] for name in variants}
     for row in shown.itertuples():
         for number, (cycle, name) in enumerate(drawn):
-            if cycle != row.cycle:
+            if cycle != row.cycle or not _is_drawn(row, name):
                 continue
             at = row.seconds * _OFFSET ** (number - 0.5 * (len(drawn) - 1))
             value = getattr(row, name)
@@ -88,12 +95,13 @@ def accuracy_panel(table: pd.DataFrame, within: float) -> Figure:
             if row.of_study:
                 ring = {"mfc": "none", "mec": "k", "mew": 1.2, "ms": 12, "zorder": 5}
                 axes.plot([at], [value], "o", **ring)
-    for points in joined.values():
+    for points in filter(None, joined.values()):
         axes.plot(*zip(*sorted(points), strict=True), color="0.7", lw=0.8, zorder=1)
     reach = max(
         abs(getattr(row, name)) + _half_width(row, name)
         for row in shown.itertuples()
         for name in _CLOSURES
+        if _is_drawn(row, name)
     )
     axes.set(xscale="log", xlim=(0.45 * shown.seconds.min(), 2.2 * shown.seconds.max()))
     decimal_ticks(axes.xaxis)
@@ -130,6 +138,11 @@ def _half_width(row: Any, name: str = "change_percent") -> float:
     return float(half) if np.isfinite(half) and not is_too_wide(row._asdict(), name) else 0.0
 
 
+def _is_drawn(row: Any, name: str) -> bool:
+    """Return whether a change has a mark: one without an interval would look exact."""
+    return row.verdict == REFERENCE or has_interval(row._asdict(), name)
+
+
 def _is_pale(row: Any, name: str = "change_percent") -> bool:
     """Return whether a mark is pale, as the interval of its change is too wide to be drawn."""
     return row.verdict != REFERENCE and is_too_wide(row._asdict(), name)
@@ -140,8 +153,8 @@ def effects_panel(table: pd.DataFrame, within: float) -> Figure:
     """Draw the changes of mean closures, and of the time of a joint, without each effect.
 
     ``table`` is that of `studies.assessment.report_tables.assessed_table`. Marks of gross closure
-    are hollow. Changes whose intervals are too wide are pale. A grey band has the changes up to the
-    request ``within`` [1].
+    are hollow. Changes whose intervals are too wide are pale. A change of one joint, which has no
+    interval, is named by words. A grey band has the changes up to the request ``within`` [1].
     """
     shown = pooled(table[table.kind == EFFECTS])
     names = list(dict.fromkeys(shown.variant))
@@ -160,7 +173,7 @@ def effects_panel(table: pd.DataFrame, within: float) -> Figure:
     for row in measured.itertuples():
         for number, (cycle, name) in enumerate(marks):
             value = getattr(row, name)
-            if cycle != row.cycle or not np.isfinite(value):
+            if cycle != row.cycle or not np.isfinite(value) or not _is_drawn(row, name):
                 continue
             at = names.index(row.variant) + 0.16 * (number - 0.5 * (len(marks) - 1))
             error = _half_width(row, name)
@@ -170,8 +183,9 @@ def effects_panel(table: pd.DataFrame, within: float) -> Figure:
             pale |= _is_pale(row, name)
             left.errorbar([value], [at], xerr=[error], **style)
             ends += [value - error, value + error]
-    times = measured.drop_duplicates("variant").dropna(subset="time_percent")
-    error = times.time_percent_standard_error.fillna(0.0)
+    known = ["time_percent", "time_percent_standard_error"]  # of one joint there is no error
+    times = measured.drop_duplicates("variant").dropna(subset=known)
+    error = times.time_percent_standard_error
     rows = [names.index(name) for name in times.variant]
     right.errorbar(times.time_percent, rows, xerr=error, fmt="o", ms=4, lw=1.0, color="0.3")
     ends_of_time = [-5.0, 5.0, *(times.time_percent - error), *(times.time_percent + error)]
@@ -183,9 +197,9 @@ def effects_panel(table: pd.DataFrame, within: float) -> Figure:
     }
     effects = [shown[shown.variant == name].iloc[0] for name in names]
     for place, row in enumerate(effects):
-        if row.state and not np.isfinite(row.change_percent):
+        if words := _in_place_of_marks(row):
             panels[0].annotate(
-                row.state, (0.04, place), xycoords=("axes fraction", "data"), va="center",
+                words, (0.04, place), xycoords=("axes fraction", "data"), va="center",
                 color="0.4", **_letters(),
             )  # fmt: skip
     logarithmic = [side for side, words in scales.items() if words]
@@ -212,10 +226,18 @@ def effects_panel(table: pd.DataFrame, within: float) -> Figure:
     return _finished(figure, panels, handles, 2, title)
 
 
+def _in_place_of_marks(row: pd.Series) -> str:
+    """Return the words in a row of the effects panel without marks; "" of one with marks."""
+    if has_interval(row, "change_percent"):
+        return ""
+    joints = row.get("joints", 0.0)
+    return row.state or (f"{joints:.0f} joint" if joints == 1 else TOO_FEW)
+
+
 def _effect_label(row: pd.Series) -> str:
     """Return the name of an effect, and below it the verdict if its changes were measured."""
     name = row.variant.removeprefix("without ")
-    return f"{name}:\n{row.verdict}" if np.isfinite(row.change_percent) else name
+    return f"{name}:\n{row.verdict}" if has_interval(row, "change_percent") else name
 
 
 @styled

@@ -10,8 +10,13 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+import pandas as pd
+
 from jointclosure.assessment.assess import assessed_variants
 from jointclosure.assessment.assessed_results import JUDGED, STIFFNESS
+from jointclosure.assessment.effect_names import lacks_effects
+from jointclosure.assessment.verdicts import is_given_up
+from jointclosure.ensembles.simulation import Row
 from jointclosure.joint.checked_conditions import CheckedConditions
 from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.section import AssessmentSection
@@ -73,6 +78,15 @@ class AssessmentPlan(NamedTuple):
     def within(self) -> bool:
         """Whether the planned joints are expected to take no more than the share."""
         return self.seconds <= self.share * self.study_seconds
+
+
+def ends_variant(point: Point, row: Row) -> bool:
+    """Return whether no further joint of a point is simulated after the joint of a row.
+
+    A joint without an effect that was given up decides that the effect is kept.
+    """
+    lacks = lacks_effects(pd.Series([point.coordinates["variant"]])).any()
+    return bool(lacks and is_given_up(pd.Series([row["status"]])).any())
 
 
 def study_seconds(study: Configuration) -> float:

@@ -14,6 +14,7 @@ from jointclosure.assessment.assessed_results import CLOSURE, JUDGED, STIFFNESS
 from jointclosure.assessment.effect_names import without
 from jointclosure.assessment.verdicts import (
     GIVEN_UP,
+    KEPT_UNTESTED,
     NEEDED_AS_FAILS,
     is_given_up,
     results_beyond,
@@ -46,7 +47,9 @@ GROSS = JUDGED[1]
 MOST_RANKED = 1000
 """Largest number of joints that are ranked."""
 OFF, LEFT_OUT, NEEDED, NOT_TESTED = "off", "left out", "needed", "not tested"
-"""States of an effect: off, left out by `effects.auto`, needed by the joints, not tested."""
+KEPT = "kept"
+"""States of an effect: off, left out by `effects.auto`, needed by the joints, not tested, and kept
+as joints take longer without it."""
 
 
 class _Closed(NamedTuple):
@@ -260,12 +263,14 @@ SHOWN_COLUMNS = JUDGED_COLUMNS | {STIFFNESS: "stiffness"}
 def _apart(own: _Closed, best: _Closed, place: int) -> tuple[np.ndarray, ...]:
     """Return differences of a variant from a reference on the same walls: four arrays (joint,).
 
-    They are of the cycle at ``place``, for the joints that succeeded with both. Their means are the
-    relative change of the mean net closure; the difference of the shares of the mean net closure
-    that remain at seating (ratios of means, with scatter by the delta method); the relative change
-    of the mean gross closure; and that of the harmonic mean of the net chord stiffness.
+    They are of the cycle at ``place``, for the joints that succeeded with both. Either variant may
+    have only the first joints of the other, where one was given up. Their means are the relative
+    change of the mean net closure; the difference of the shares of the mean net closure that remain
+    at seating (ratios of means, with scatter by the delta method); the relative change of the mean
+    gross closure; and the relative change of the harmonic mean of the net chord stiffness.
     """
-    of_both = [[part[:, place] for part in of[:4]] for of in (own, best)]
+    first = min(len(own.closures), len(best.closures))
+    of_both = [[part[:first, place] for part in of[:4]] for of in (own, best)]
     known = np.isfinite(of_both).all(axis=(0, 1))
     (one, one_stays, one_gross, one_yields), (two, two_stays, two_gross, two_yields) = (
         [values[known] for values in of] for of in of_both
@@ -392,8 +397,8 @@ def _with_states(table: pd.DataFrame, states: pd.DataFrame, rocks: Sequence[str]
 def with_failures(table: pd.DataFrame) -> pd.DataFrame:
     """Set, in the table itself, the state of effects without which joints fail or are given up.
 
-    Return the table. The state is `NOT_TESTED` if a joint was given up, otherwise `NEEDED`; the
-    reason counts the joints. Rows that have a state keep it.
+    Return the table. The state is `KEPT` if a joint was given up, otherwise `NEEDED`; the reason
+    counts the joints. Rows that have a state keep it.
     """
     fails = (table.kind == EFFECTS) & (table.failed > 0)
     total = table.joints + table.failed
@@ -401,11 +406,10 @@ def with_failures(table: pd.DataFrame) -> pd.DataFrame:
         state = NEEDED
         counts = f"{table.failed[place]:.0f} of {total[place]:.0f} joints fail without it"
         if table.given_up[place] > 0:
-            state = NOT_TESTED
-            counts = (
-                f"without it {table.given_up[place]:.0f} of {total[place]:.0f} joints take more "
-                f"than {MOST_BREAKAGE_STEPS:g} breakage steps a cell, and were given up"
-            )
+            state = KEPT
+            of = f"{table.given_up[place]:.0f} of {total[place]:.0f} joints"
+            steps = f"{MOST_BREAKAGE_STEPS:,.0f} breakage steps a cell"
+            counts = f"{KEPT_UNTESTED} (given up after {steps}: {of})"
         table.loc[place, ["state", "reason"]] = state, counts
     return table
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from jointclosure.joint.status import BREAKAGE_NOT_AT_REST
 from jointclosure.uncertainty import expected_cost
 from jointclosure.uncertainty.expected_cost import relative_cost
 from studies.assessment.report_plan import (
@@ -9,11 +10,12 @@ from studies.assessment.report_plan import (
     ENOUGH,
     FEWEST_JOINTS,
     LEAST_SECONDS,
+    ends_variant,
     planned,
     study_seconds,
 )
 from studies.frame.cases import base_case, block_settings, closed_keys, seconds_by_paper
-from studies.frame.settings import seeds_of
+from studies.frame.settings import Point, seeds_of
 from studies.frame.yaml_files import read_plain
 from tests.studied import ROOT, study_of
 
@@ -31,6 +33,18 @@ def expected(study, plan):
         for one in points
     )
     return plan.joints * seconds_by_paper(study) * sum(costs)
+
+
+@pytest.mark.parametrize(
+    ("variant", "status", "ends"),
+    [
+        ("without interaction", BREAKAGE_NOT_AT_REST, True),
+        ("without interaction", 0, False),
+        ("tolerance 0.1", BREAKAGE_NOT_AT_REST, False),
+    ],
+)
+def test_joints_without_an_effect_end_after_one_that_was_given_up(variant, status, ends):
+    assert ends_variant(Point({"variant": variant}, None), {"status": status}) == ends
 
 
 @pytest.mark.parametrize("name", CONFIGURATIONS)

@@ -18,6 +18,7 @@ from studies.assessment.report_plan import RESIDUAL, AssessmentPlan
 from studies.assessment.report_tables import (
     ALL_ROCKS,
     GROSS,
+    KEPT,
     LEFT_OUT,
     NEEDED,
     NOT_TESTED,
@@ -27,7 +28,7 @@ from studies.assessment.report_tables import (
     hardness_table,
     judged_setting,
 )
-from studies.paper.report.content import assessed, numerical_bias
+from studies.paper.report.content import assessed, numerical_bias, prices
 from studies.paper.report.page_tables import with_limits
 from studies.paper.report.verdicts import JUMPS, TOO_FEW, verdict_of_cycles
 from tests.studied import study_of
@@ -185,14 +186,50 @@ def test_an_effect_without_which_joints_fail_is_needed(failing_table):
     assert row.verdict == NEEDED_AS_FAILS
 
 
-def test_an_effect_without_which_a_joint_is_given_up_is_not_tested(study, joints):
+def test_an_effect_without_which_a_joint_is_given_up_is_kept(study, joints):
     part = joints["slate"]
     lacks = np.flatnonzero(part.variant == "without interaction")
     part.status[lacks[0]] = BREAKAGE_NOT_AT_REST
     table = assessed_table(study, {"slate": part}, PLAN, {"slate": jc.Effects()}, 0.05)
     row = row_of(table, "slate", "without interaction")
-    assert (row.state, row.verdict) == (NOT_TESTED, GIVEN_UP)
-    assert row.reason.startswith("without it 1 of 2 joints take more than 20000 breakage steps")
+    assert (row.state, row.verdict) == (KEPT, GIVEN_UP)
+    assert row.reason == (
+        "the joint takes longer without it, and the change was not tested (given up after 20,000 "
+        "breakage steps a cell: 1 of 2 joints)"
+    )
+    # the other joint alone has no interval: a mark would look exact
+    left, right = effects_panel(table, WITHIN).axes
+    assert left.containers == []
+    assert left.texts[0].get_text() == "kept"
+    assert [one.lines[0].get_xdata().tolist() for one in right.containers] == [[]]
+    assert with_limits(pd.Series(row._asdict()), "change_percent") == TOO_FEW
+
+
+def test_joints_that_were_not_simulated_after_one_was_given_up_are_not_counted(study, joints):
+    part = joints["slate"]
+    first, last = np.flatnonzero(part.variant == "without interaction")
+    part.status[first] = BREAKAGE_NOT_AT_REST
+    fewer = part.isel(joint=np.delete(np.arange(part.sizes["joint"]), last))
+    table = assessed_table(study, {"slate": fewer}, PLAN, {"slate": jc.Effects()}, 0.05)
+    row = row_of(table, "slate", "without interaction")
+    assert (row.joints, row.failed, row.verdict) == (0, 1, GIVEN_UP)
+    assert "1 of 1 joints" in row.reason
+
+
+def test_a_setting_of_one_joint_has_no_mark(study, joints):
+    """But that of the reference, from which others differ, has."""
+    plan = PLAN._replace(joints=1)
+    one = joints["slate"].isel(joint=[0, 2, 4])
+    table = assessed_table(study, {"slate": one}, plan, {"slate": jc.Effects()}, 0.05)
+    axes = accuracy_panel(table, WITHIN).axes[0]
+    assert len(axes.containers) == 4  # net and gross closure of two cycles
+
+
+def test_settings_have_their_times_and_verdicts_beside_the_first_panel(table):
+    settings = table[(table.rock == ALL_ROCKS) & (table.kind == "setting")]
+    first, *_, last = prices(settings, "5 %")
+    assert first == "3.0 s by the paper's steps (its error is beyond 5 %)"
+    assert last.endswith("by tolerance 0.02 (the finest setting, with which others are compared)")
 
 
 def test_joints_that_fail_have_no_time(failing_table):
@@ -566,6 +603,7 @@ def first_screen(about, **names):
         },
         "frames": {"remarks": None},
         "cases": 9,
+        "chosen_effects": {"Slate": ["without interaction the mean closure changes"]},
         "jumping": 7,
     }
     page = render(content | names, "first.html.j2", "studies.paper.report")
@@ -586,8 +624,10 @@ def test_the_first_screen_says_how_sure_its_panels_are(study, joints, table):
     assert "Of the others 7 are hard because their closure jumps." in text
     assert "Substrate is needed: joints that break have no equilibrium without it." in text
     assert "8 % was expected, and 10 % is allowed." in text
+    assert "Effects of Slate were chosen before the study" in text
+    assert "without interaction the mean closure changes." in text
     assert "Bars of closure are 95 % intervals of 4 joints by Student's t" in text
-    assert "whether these joints show its error to be within 5 % or beyond" in text
+    assert "its error is beyond 5 %" in text
 
 
 @pytest.mark.parametrize(

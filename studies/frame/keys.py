@@ -459,20 +459,41 @@ def _allowed(error: dict) -> str:
         return f"must match {about['pattern']} (letters, digits and underscores)"
     if kind in ("tuple_type", "list_type"):
         return "must be a list of values, such as [1, 2]"
-    allowed = re.sub(r"^\w+ should", "must", error["msg"])
-    # 1e-3 is a text to YAML, 1.0e-3 is a number
+    allowed = re.sub(r"^\w+ should", "must", error["msg"]).replace(" after validation", "")
     if isinstance(value, list) and kind in ("float_type", "int_type"):
         return f"{allowed}, not a list; further values of a property of rock belong to its levels"
-    number = isinstance(value, str) and kind in ("float_type", "int_type")
-    if number and re.fullmatch(r"[-+]?[0-9]+,[0-9]+", value):
-        return f"{allowed}; the decimal sign is a point: write {value.replace(',', '.')}"
-    match = number and re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", value)
-    if not match:
-        return allowed
-    if math.isinf(float(value)):
-        return f"{allowed}; {value} is too large for a number"
-    digits, e, sign, power = match.groups()
-    return f"{allowed}; YAML reads it as text: write {digits}.0{e}{sign or '+'}{power}"
+    if isinstance(value, str) and kind in ("float_type", "int_type"):
+        return "; ".join(filter(None, [allowed, _remark_on_number(value, _unit_of(error))]))
+    return allowed
+
+
+def _remark_on_number(text: str, unit: str) -> str:
+    """Say how to write a number that YAML reads as text; "" if the text is no number.
+
+    ``unit`` is that of its key, or "".
+    """
+    if re.fullmatch(r"[-+]?[0-9]+,[0-9]+", text):
+        return f"the decimal sign is a point: write {text.replace(',', '.')}"
+    of_key = f"; the key is in {unit}" if unit else ""
+    # 1e-3 is a text to YAML, 1.0e-3 is a number
+    if match := re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", text):
+        if math.isinf(float(text)):
+            return f"{text} is too large for a number"
+        digits, e, sign, power = match.groups()
+        return f"YAML reads it as text: write {digits}.0{e}{sign or '+'}{power}{of_key}"
+    if re.fullmatch(rf"{_NUMBER}\s*[a-zA-Z%°][a-zA-Z0-9/]*", text.strip()):
+        return f"write a number without a unit{of_key}"
+    return ""
+
+
+def _unit_of(error: dict) -> str:
+    """Return the unit of the key at which an error is, or of the one that contains it; or ""."""
+    keys = (part for part in reversed(error["loc"]) if isinstance(part, str))
+    return next((unit for _, unit in map(name_and_unit, keys) if unit), "")
+
+
+_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?"
+"""A number as YAML and Python write it."""
 
 
 def _known(keys: type[BaseModel], path: tuple) -> list[str]:

@@ -12,7 +12,8 @@ import xarray as xr
 
 from jointclosure.assessment.effect_selection import MOST_PAIRS, Pilot, choose_among
 from jointclosure.ensembles.simulation import read_joint
-from jointclosure.statistics.number_texts import rounded
+from jointclosure.execution.progress import duration
+from jointclosure.statistics.number_texts import percent, rounded
 from jointclosure.walls import Walls
 from studies.frame.settings import BASE, Point, joints_of
 from studies.frame.simulation import Report, close_points, joined_rows, reading_of
@@ -120,9 +121,14 @@ def estimate_time(
     return pd.DataFrame(rows)
 
 
-def described_time(estimate: pd.DataFrame, notes: Sequence[str] = ()) -> str:
-    """Return a sentence on a table of `estimate_time`, and ``notes`` on what it leaves out."""
+def described_time(estimate: pd.DataFrame, notes: Sequence[str] = (), assessed: float = 0.0) -> str:
+    """Return a sentence on a table of `estimate_time`, and ``notes`` on what it leaves out.
+
+    ``assessed`` is the expected time of the assessment of the report over that of all joints.
+    """
     seconds = float(estimate.seconds.sum())
+    if assessed > 0.0:
+        notes = [*notes, _of_assessment(seconds, assessed)]
     unit, size = ("minutes", 60.0) if seconds >= 60.0 else ("seconds", 1.0)
     value = seconds / size
     error = math.hypot(*estimate.error) / size
@@ -133,3 +139,10 @@ def described_time(estimate: pd.DataFrame, notes: Sequence[str] = ()) -> str:
         f"machine ({words if error > 0.0 else 'from one joint of each kind'})",
         *notes,
     ])  # fmt: skip
+
+
+def _of_assessment(seconds: float, share: float) -> str:
+    """Say how long the assessment of a report takes: a share of the time [s] of all joints."""
+    again = "about as long again" if 0.75 <= share < 1.5 else f"about {share:.1f} times as long"
+    words = f"about {percent(share)} of this time" if share < 0.75 else again
+    return f"the assessment of make report takes {words}, {duration(share * seconds)}"

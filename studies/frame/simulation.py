@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ def close_joints(
     report: Report = lambda line: None,
     closed: Mapping[str, Row] = {},
     repeat: str = "",
+    ends: Callable[[Row], bool] = lambda row: False,
 ) -> xr.Dataset:
     """Simulate the joints of a point, one for each pair of walls, and read their quantities.
 
@@ -56,6 +58,9 @@ def close_joints(
         hexadecimal digits).
     repeat : str
         Command that repeats a realisation, without its number; for the log.
+    ends : callable
+        Called with the row of each joint; no further joint is simulated after one for which it
+        returns True.
 
     Returns
     -------
@@ -77,6 +82,8 @@ def close_joints(
             raise
         report(f"realisation {number}: {_described(row, again)}")
         rows.append(row)
+        if ends(row):
+            break
     return joined_rows(rows, point, reading)
 
 
@@ -85,16 +92,20 @@ def close_points(
     names: Sequence[str],
     report: Report = lambda line: None,
     walls: Sequence[Walls] | None = None,
+    ends: Callable[[Point, Row], bool] = lambda point, row: False,
 ) -> xr.Dataset:
     """Simulate the joints of several points; return them along ``joint``, as `close_joints`.
 
     Each point makes its own walls; if ``walls`` are given, every point has these. ``report`` is
-    called with a line for each point and each joint.
+    called with a line for each point and each joint. The joints of a point end after one for which
+    ``ends`` is true of the point and the row of the joint.
     """
     parts = []
     for point in points:
         report(", ".join(f"{name} {value}" for name, value in point.coordinates.items()))
-        parts.append(close_joints(point, walls or point.walls(), names, report=report))
+        of_point = walls or point.walls()
+        here = partial(ends, point)
+        parts.append(close_joints(point, of_point, names, report=report, ends=here))
     # joints with fewer load cycles than others in their file have NaN in the later cycles
     return xr.concat(
         parts,

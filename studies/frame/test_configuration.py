@@ -453,6 +453,41 @@ def test_a_text_or_number_that_no_table_or_figure_can_hold_is_refused_by_its_key
         study_of(change)
 
 
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"levels": {"jrc": [8]}}, "levels.jrc = [8]: must have at least 2 items, not 1"),
+        (
+            {"compressive_strength_MPa": "65e6"},
+            "must be a valid number; YAML reads it as text: write 65.0e+6; the key is in MPa",
+        ),
+        (
+            {"youngs_modulus_GPa": "18 GPa"},
+            "must be a valid number; write a number without a unit; the key is in GPa",
+        ),
+        ({"levels": {"youngs_modulus_GPa": ["18 GPa", 3]}}, "without a unit; the key is in GPa"),
+        ({"jrc": "8 mm"}, "must be a valid number; write a number without a unit"),
+        ({"jrc": "8,5"}, "the decimal sign is a point: write 8.5"),
+    ],
+)
+def test_a_number_that_is_a_text_is_refused_with_how_to_write_it(change, line):
+    with pytest.raises(ConfigurationError) as error:
+        study_of({"rocks": {"slate": change}})
+    assert str(error.value).rstrip().endswith(line)
+
+
+@pytest.mark.parametrize("text", ["a:\n\tb: 1\n", "a:\n  b: 1\n\tc: 2\n"])
+def test_a_tab_of_a_configuration_is_named(tmp_path, text):
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigurationError, match="the line has a tab: write spaces in its place"):
+        read_plain(path)
+    path.write_text("a: [1,\n")
+    with pytest.raises(ConfigurationError) as error:
+        read_plain(path)
+    assert "has a tab" not in str(error.value)
+
+
 def test_two_rocks_of_a_study_have_two_titles():
     alike = {"rocks": {"slate": {"title": "Dolerite "}}}
     with pytest.raises(ConfigurationError, match=r"rocks\.slate\.title = 'Dolerite ': must differ"):

@@ -125,6 +125,20 @@ def test_the_error_of_an_estimate_of_seconds_is_not_rounded_to_0():
     assert described_time(table, ["a note"]).endswith("; a note")
 
 
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [
+        (0.1, "about 10 % of this time, 6 min 0 s"),
+        (1.11, "about as long again, 1 h 6 min"),
+        (2.2, "about 2.2 times as long, 2 h 12 min"),
+    ],
+)
+def test_the_time_of_the_assessment_is_stated_beside_that_of_the_joints(share, words):
+    table = pd.DataFrame({"joints": [44], "tried": [3], "seconds": [3600.0], "error": [60.0]})
+    text = described_time(table, ["a note"], share)
+    assert text.endswith(f"; a note; the assessment of make report takes {words}")
+
+
 def test_no_kernel_is_loaded_while_a_joint_is_timed(points, monkeypatch):
     closed = []
 

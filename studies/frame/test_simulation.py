@@ -26,7 +26,7 @@ from studies.frame.datasets import CURVES, joints_key, of_case, read_joints, wri
 from studies.frame.experiments import case_point
 from studies.frame.joint_tables import join_cases
 from studies.frame.settings import surface_settings, surfaces_dataset, walls_in, walls_of
-from studies.frame.simulation import close_joints
+from studies.frame.simulation import close_joints, close_points
 from tests.studied import study_of
 
 ELASTIC = {"substrate": True, "interaction": True, "breakage": False, "gouge": False}
@@ -302,6 +302,14 @@ def test_an_edited_dataset_is_not_read_though_it_has_the_key(whole, tmp_path):
 
 
 # Joints that cannot be closed
+
+
+def test_no_joint_of_a_point_is_simulated_after_one_that_ends_it(monkeypatch):
+    row = {"status": 0, "timing_simulation": 1.0}
+    monkeypatch.setattr(simulation, "simulate_row", lambda pair, reading: row)
+    points = [point_of("slate-base", range(2))._replace(coordinates={"variant": n}) for n in "ab"]
+    joints = close_points(points, (), ends=lambda point, row: point.coordinates["variant"] == "a")
+    assert joints.variant.values.tolist() == ["a", "b", "b"]
 
 
 def test_an_error_names_the_command_that_repeats_its_realisation(monkeypatch):

@@ -93,6 +93,8 @@ def read_plain(path: str | Path) -> dict:
         where = getattr(error, "problem_mark", None)
         line = f"line {where.line + 1}: " if where else ""
         problem = getattr(error, "problem", None) or " ".join(str(error).split())
+        if where and "\t" in "".join(text.splitlines()[where.line : where.line + 1]):
+            problem += "; the line has a tab: write spaces in its place"
         reason = f"not plain YAML: {line}{problem}"
     if reason or settings is None:
         raise ConfigurationError(f"{path}: {reason}")

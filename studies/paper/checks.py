@@ -107,7 +107,7 @@ def remarks_in_words(remarked: pd.DataFrame, remark: str, total: int) -> list[tu
     for case, part in cases:
         first = part.iloc[0]
         changes = [f"cycle {row.cycle}: {change_in_words(row)}" for row in part.itertuples()]
-        without = f"mean net closure since seating without them: {', '.join(changes)}"
+        without = f"change of the mean net closure since seating without them: {', '.join(changes)}"
         lines.append((f"{name} of {case}", f"{first.joints} of {first.samples}; {without}"))
     return lines
 

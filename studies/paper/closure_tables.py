@@ -408,7 +408,7 @@ def _linear_length(
 
 
 FIT_COLUMNS = (
-    "rock", "cycle", "points", "largest_closure_mm", "samples",
+    "rock", "cycle", "measured_points", "points", "largest_closure_mm", "samples",
     "best_realization", "misfit_mm", "misfit_percent", "median_misfit_mm",
 )  # fmt: skip
 _READ = (
@@ -424,7 +424,8 @@ def fit_table(
 
     There is a row for each measured cycle, and one for all cycles of a rock together if it has
     several. ``curves`` are by rock; ``seating_stress`` [Pa] is that from which closures count, both
-    measured and simulated.
+    measured and simulated. Of the ``measured_points`` of the file ``points`` are used: those above
+    seating, and of a dense log means of several.
     """
     rows = []
     for rock, curve in curves.items():
@@ -436,11 +437,33 @@ def fit_table(
             branches = list(curve.since_seating(cycle, seating_stress))
             squares[cycle] = _squares(base, cycle, branches)
             largest[cycle] = max(closure.max() for _, _, closure in branches if closure.size)
-        rows += [_best_fit(rock, cycle, squares[cycle], largest[cycle], base) for cycle in squares]
+        counts: dict[int | str, int]
+        counts = {cycle: int((curve.cycle == cycle).sum()) for cycle in squares}
+        of_rock = [
+            _best_fit(rock, cycle, squares[cycle], largest[cycle], base) for cycle in squares
+        ]
         if len(squares) > 1:
             together = np.concatenate(list(squares.values()), axis=1)
-            rows.append(_best_fit(rock, "all", together, max(largest.values()), base))
+            of_rock.append(_best_fit(rock, "all", together, max(largest.values()), base))
+            counts["all"] = sum(counts.values())
+        number = zip(of_rock, counts.values(), strict=True)
+        rows += [row | {"measured_points": count} for row, count in number]
     return pd.DataFrame(rows, columns=FIT_COLUMNS)
+
+
+def fit_lines(table: pd.DataFrame) -> list[str]:
+    """Describe how many points of measured curves are used, and the best fits, of `fit_table`."""
+    lines = []
+    for row in table.itertuples():
+        cycle = "all cycles" if row.cycle == "all" else f"cycle {row.cycle}"
+        points = f"{row.points} of {row.measured_points} measured points are used"
+        fit = "no joint reaches all of their stresses"
+        if np.isfinite(row.best_realization):
+            fit = f"of {row.samples} joints number {row.best_realization:.0f} fits best"
+            fit += f" (rms misfit {row.misfit_mm:.2g} mm)"
+        lines.append(f"{row.rock}, {cycle}: {points} (those above seating; points of a dense log "
+                     f"are averaged); {fit}")  # fmt: skip
+    return lines
 
 
 def _squares(base: xr.Dataset, cycle: int, branches: list) -> np.ndarray:

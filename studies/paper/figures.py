@@ -97,7 +97,9 @@ def draw_measured_curve(
                 axes.plot(closure[shown], 1e-6 * stress[shown], **_style(cycle))
     if not misfits:
         return "\nno realisation reaches all measured stresses"
-    return f"\nRMS misfit of the best:\n{', '.join(misfits)}"
+    of_rock = measured.fits.rock == rock
+    joints = int(measured.fits[of_rock].samples.max())
+    return f"\nRMS misfit of the best of {joints} joints:\n{', '.join(misfits)}"
 
 
 def _style(cycle: int) -> dict:
@@ -196,6 +198,10 @@ def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) 
     return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
 
 
+_WIDTH_OF_ONE = 7.0
+"""Width [inches] of the figure of closure of one rock, with its legend below the panels."""
+
+
 @styled
 def closure_figure(
     study: xr.Dataset,
@@ -255,9 +261,9 @@ def closure_figure(
         handles.append(key(color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
-    if columns == 1:  # one rock: the legend is in the place of a second rock
-        figure.set_figwidth(2 * figure.get_figwidth())
-        place = {"loc": "outside right center"}
+    if columns == 1:  # one rock: narrow, so that letters can be read on a phone
+        place = {"loc": "outside lower center", "ncols": 2, "fontsize": 9}
+        figure.set_size_inches(_WIDTH_OF_ONE, 4.2 + 0.2 * -(-len(handles) // 2))
     figure.legend(handles=handles, frameon=False, **place)
     sns.despine(figure)
     return figure
@@ -735,7 +741,9 @@ def _scale(axes) -> None:
 
 def _handles(draws: int, compared: bool) -> list:
     handles = [
-        Patch(fc="none", ec=_OURS, lw=1.1, label=f"studies of {draws} draws, unpaired t test"),
+        Patch(
+            fc="none", ec=_OURS, lw=1.1, label=f"studies of {draws} pairs of walls, unpaired t test"
+        ),
         key(color=_OURS, lw=3.2, label="their 5 to 95 % range; upright: median"),
         Patch(fc=_NULL, lw=0, label="if the property had no effect"),
     ]

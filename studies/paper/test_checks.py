@@ -150,7 +150,7 @@ def test_checks_say_which_cases_lie_outside_of_the_range(checks):
 
 def test_checks_say_what_cases_outside_of_the_range_change(checks, with_remarks):
     first = checks[f"{OUTSIDE} of slate-base"]
-    assert first.startswith("1 of 3; mean net closure since seating without them: ")
+    assert first.startswith("1 of 3; change of the mean net closure since seating without them: ")
     assert "cycle 1: -50 ± 40 %" in first
     assert "no joint is left" in checks[f"{OUTSIDE} of {with_remarks.case.values[1]}"]
     largest = checks[f"largest change of a mean net closure since seating without {OUTSIDE}"]

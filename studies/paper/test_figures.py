@@ -11,11 +11,12 @@ from jointclosure.statistics.repetitions import Design
 from studies.frame.cases import pool_of
 from studies.frame.joint_tables import since_seating
 from studies.paper import figures as plotting
-from studies.paper.closure_tables import indifference_table, max_closure_table
+from studies.paper.closure_tables import fit_table, indifference_table, max_closure_table
 from studies.paper.predictive import lengths_dataset, predictive
 from studies.paper.tables_1_to_3 import (
     figure_text,
 )
+from studies.paper.test_measured_fit import like
 from studies.paper.test_measured_fit import study as three_surfaces
 from tests.studied import study_of
 from tests.world import world
@@ -70,6 +71,29 @@ def test_a_joint_that_jumped_over_its_maximum_is_not_drawn_up_to_it():
     for loading, _ in drawn_branches(study):
         assert np.isfinite([loading[0][-1], loading[1][-1]]).all()
         assert np.isnan(loading[2][-1, 0])
+
+
+def test_the_legend_of_one_rock_is_below_its_panels():
+    """Beside them it would lie outside of the screen of a phone."""
+    rock = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
+    figure = plotting.closure_figure(
+        three_surfaces(), {"one": rock}, 5e5, 1.5, history=lambda *joint: None
+    )
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert legend.y1 <= min(axes.get_window_extent().y0 for axes in figure.axes)
+    assert legend.x0 >= 0.0
+    assert legend.x1 <= figure.bbox.width
+
+
+def test_the_title_says_among_how_many_joints_the_best_one_is():
+    rock = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
+    curves = {"one": like(0)}
+    measured = plotting.Measurements(curves, fit_table(three_surfaces(), curves, 5e5))
+    figure = plotting.closure_figure(
+        three_surfaces(), {"one": rock}, 5e5, 1.5, measured, lambda *joint: None
+    )
+    assert "RMS misfit of the best of 3 joints:" in figure.axes[0].get_title()
 
 
 @pytest.mark.parametrize("seating", [None, 5e5])
@@ -171,6 +195,14 @@ def test_the_share_of_lengths_below_the_axis_is_written_at_its_end(slate):
     )
     assert set(shown) == {"← 25 %"}
     assert not usual
+
+
+def test_the_figure_of_predicted_lengths_says_of_how_many_joints_a_study_is(slate):
+    study, *_, lengths = slate
+    paper = pd.DataFrame(columns=["rock", "parameter", "cycle", "paper_percent"])
+    figure = plotting.predictive_figure(lengths, paper, study.rocks, 20)
+    words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "studies of 20 pairs of walls, unpaired t test" in words
 
 
 def test_the_range_of_predicted_lengths_is_drawn_inside_its_axis(slate):

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.measured.curves import MeasuredCurve
-from studies.paper.closure_tables import best_fits, fit_table
+from studies.paper.closure_tables import best_fits, fit_lines, fit_table
 
 SEATING = 0.5e6
 
@@ -86,6 +86,16 @@ def test_each_cycle_has_its_own_best_surface_beside_that_of_all(both_cycles):
     # the first cycle's differences are ten times those of the second
     assert table.best_realization.tolist() == [10, 12, 10]
     assert [fit[:2] for fit in best_fits(table, "one")] == [(1, 10), (2, 12)]
+
+
+def test_points_in_the_file_are_told_from_those_that_are_used(both_cycles):
+    table = fit_table(study(), {"one": both_cycles}, SEATING)
+    assert table.measured_points.tolist() == [17, 17, 34]
+    assert table.points.tolist() == [14, 14, 28]
+    first, *_, last = fit_lines(table)
+    assert first.startswith("one, cycle 1: 14 of 17 measured points are used")
+    assert first.endswith("of 3 joints number 10 fits best (rms misfit 0 mm)")
+    assert last.startswith("one, all cycles: 28 of 34 measured points")
 
 
 def test_a_surface_that_failed_never_fits_best(both_cycles):

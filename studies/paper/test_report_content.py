@@ -2,6 +2,7 @@
 
 import functools
 import html
+import json
 import re
 
 import numpy as np
@@ -9,6 +10,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.parameters import Numerics
 from jointclosure.statistics.number_texts import rounded
 from jointclosure.storage.files import read_csv
 from studies.frame.configuration import merged, model, read_stored
@@ -88,6 +90,65 @@ def test_the_last_lines_of_a_run_have_half_of_the_95_percent_interval():
         "slate: mean net closure since seating 0.50 ± 0.13 mm on cycle 1 "
         "(± half of the 95 % interval, 2 joints)"
     ]
+
+
+def test_measured_closures_stand_beside_those_of_the_model():
+    fits = pd.DataFrame({
+        "rock": "slate", "cycle": ["1", "2", "all"], "largest_closure_mm": [0.236, 0.0623, 0.236],
+    })  # fmt: skip
+    numbers = pd.DataFrame({"Rock": ["Slate"]})
+    for cycle, (mean, half) in enumerate([(0.34, 0.12), (0.0153, 0.0026)], start=1):
+        numbers[report.CLOSES.format(cycle=cycle)] = mean
+        numbers[report.CLOSES.format(cycle=cycle) + report.HALF_WIDTH] = half
+    (sentence,) = report.measured_closures(fits, numbers, {"slate": "Slate"})
+    assert sentence.startswith(
+        "The measured joint of Slate closes by 0.24 mm and 0.062 mm on cycle 1 and cycle 2, the "
+        "joints of the model by 0.34 ± 0.12 mm and 0.0153 ± 0.0026 mm"
+    )
+    assert report.measured_closures(None, numbers, {}) == []
+
+
+def test_claims_are_folded_where_no_rock_is_the_papers():
+    shown = report.content(material())
+    claims = pd.DataFrame({
+        "number": ["1"], "claim": ["closure"], "verdict": ["stands"], "found": [""],
+        "found_here": ["yes"],
+    })  # fmt: skip
+    page = shown | {"frames": shown["frames"] | {"claims": claims}}
+    assert "<details>" in render(page | {"compared": []})
+    assert "<details>" not in render(page | {"compared": ["Slate"]})
+
+
+def test_the_report_has_the_sentences_by_which_effects_were_chosen():
+    reasons = ["without interaction the mean closure changes by 61 %: kept (tolerance 5 %)"]
+    study = material().study
+    assert report.chosen_effects(study, {"slate": "Slate"}) == {}
+    chosen = {"slate": {"cases": {"slate-base": {"reasons": reasons}}}}
+    study = study.assign_attrs(effects_chosen=json.dumps(chosen))
+    page = render(report.content(material()._replace(study=study)))
+    assert report.chosen_effects(study, {"slate": "Slate"}) == {"Slate": reasons}
+    assert reasons[0] in page
+
+
+def test_pictures_follow_the_first_paragraph():
+    page = render(report.content(material()))
+    first = page.index("half of the 95 % interval.</p>")
+    assert first < page.index('class="panels"') < page.index("Closure is net:")
+
+
+def test_a_second_study_is_advised_with_smaller_errors_than_those_of_the_study():
+    """Of a study that resolves breakage, to resolve it would advise the same study again."""
+    numerics = Numerics()
+    assert report.finer_numerics(numerics._replace(breakage="fixed_step")) == (
+        "numerics: {breakage: resolved}"
+    )
+    resolved = numerics._replace(breakage="resolved", tolerance=0.02)
+    words = "numerics: {breakage: resolved, tolerance: 0.004}"
+    assert report.finer_numerics(resolved) == words
+    assert words in render(report.content(material()) | {
+        "finer_numerics": words,
+        "frames": report.content(material())["frames"] | {"table_3": pd.DataFrame({"a": [1]})},
+    })  # fmt: skip
 
 
 def test_settings_that_differ_from_the_papers_are_found():

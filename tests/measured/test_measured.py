@@ -453,6 +453,7 @@ def test_only_rocks_with_a_file_have_a_curve(tmp_path):
         (HEADER + "0,0,2\n0,0,1\n", "line 3: cycle = 1 after cycle 2"),
         (HEADER + "0,0,1\n2.5,1,1\n", "line 3: stress = 2.5 MPa: must be at most rocks.one.max"),
         (HEADER + "0,0,1\n0.4,1,1\n", "no stress of cycle 1 is above seating_stress_MPa = 0.5"),
+        (HEADER + "0,0,1\n0.4,1,1\n", "0.4 MPa: is the unit of the stress right?"),
     ],
 )
 def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text, printed):

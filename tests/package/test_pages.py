@@ -101,6 +101,17 @@ def test_the_readme_names_the_command_by_which_the_check_runs_the_tests():
     assert "`make test`" in readme
 
 
+def test_logs_that_pages_name_are_those_of_the_rules():
+    folders = {
+        name.split("/")[0]
+        for path in ROOT.glob("docs/*.md")
+        for name in re.findall(r"logs/([\w<>]+/?)", path.read_text(encoding="utf-8"))
+    }
+    rules = "".join(path.read_text("utf-8") for path in ROOT.glob("workflow/rules/*.smk"))
+    assert "choose_effects" in folders
+    assert {name for name in folders if f"/logs/{name}" not in rules} == set()
+
+
 def test_names_in_contributing_exist():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`([\w./]*\w[\w./]*)`", re.sub(r"```.*?```", "", text, flags=re.S)))

@@ -145,7 +145,7 @@ def test_an_estimate_of_a_study_without_experiments_is_of_its_own_joints(tmp_pat
     # 6 cases of 3 joints, and the same of the 4 joints of the pool
     assert "42 joints will take about" in line
     assert "minutes of processor time on this machine (± standard error, from 3 joints)" in line
-    assert "the assessment of make report adds about" in line
+    assert "the assessment of make report takes about" in line
     assert [path.name for path in (folder / "results/tiny/tables").iterdir()] == [
         "study_estimate.csv"
     ]

@@ -465,9 +465,6 @@ def notes_on_estimate():
         notes += ["study.accuracy adds joints until it is reached"]
     if CHOSEN:
         notes += ["less if effects.auto leaves out effects"]
-    if PLAN is not None:
-        share = 100.0 * PLAN.seconds / PLAN.study_seconds
-        notes += [f"the assessment of make report adds about {share:.2g} %"]
     return notes
 
 

@@ -136,6 +136,9 @@ rule estimate:
         ENVIRONMENT
     params:
         notes=lambda w: notes_on_estimate(),
+        assessed=(
+            0.0 if PLAN is None or EXPERIMENTS else PLAN.seconds / PLAN.study_seconds
+        ),
         code=code("show_estimates.py"),
     message:
         "Tables of the expected time are in {RESULTS}/tables"

@@ -7,4 +7,5 @@ from studies.frame.pilots import described_time
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as log:
         for table in snakemake.input:
-            log.show(described_time(read_csv(table), snakemake.params.notes))
+            params = snakemake.params
+            log.show(described_time(read_csv(table), params.notes, params.assessed))

@@ -35,6 +35,7 @@ from jointclosure.assessment.numerical_settings import LADDER, REFINEMENT
 from jointclosure.assessment.verdicts import (
     CAN_BE_LEFT_OUT,
     GIVEN_UP,
+    KEPT_UNTESTED,
     NEEDED_AS_FAILS,
     is_given_up,
     results_beyond,
@@ -66,7 +67,7 @@ _IN_WORDS = {
     "needed": "must be kept",
     NEEDED_AS_FAILS: "must be kept",
     "not decided": "are not decided",
-    GIVEN_UP: "were not tested",
+    GIVEN_UP: f"are kept, as {KEPT_UNTESTED}",
 }
 """Verdicts on effects in the words of a sentence."""
 
@@ -232,8 +233,8 @@ class Assessment:
     def needed_by(self, variant: str) -> str:
         """Return which results leave the request without effects, see `results_beyond`.
 
-        If joints fail without them, it is their status in words. It is "" of effects that are not
-        tested, whose other joints alone have results.
+        If joints fail without them, it is their status in words. It is "" of effects that are kept
+        without a test, whose other joints alone have results.
         """
         verdict = self.verdict(variant)
         if verdict == GIVEN_UP:

@@ -591,7 +591,10 @@ def check_curve(curve: MeasuredCurve, name: str, seating: float) -> None:
             must = "must start at or below"
             raise InputError(f"{where}: the loading of cycle {cycle} {must} {counts}")
         if not (stress > seating).any():
-            raise InputError(f"{where}: no stress of cycle {cycle} is above {counts}")
+            raise InputError(
+                f"{where}: no stress of cycle {cycle} is above {counts}; the largest is "
+                f"{1e-6 * stress.max():.3g} MPa: is the unit of the stress right?"
+            )
         ends = crossing(stress, closure, seating), float(closure[-1])
         if not ends[1] > ends[0]:
             raise InputError(

@@ -198,12 +198,8 @@ def _reading_errors(curve: MeasuredCurve, asked: Readings) -> np.ndarray | None:
     return np.array(errors)
 
 
-def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: float) -> list[str]:
-    """Return sentences on how a measured curve was read; none if its points were read as they are.
-
-    They are on loadings that were numbered as cycles, points that were not read, and averages. Some
-    are cautions, one of them if a reading is less certain than ``closure_error`` [1].
-    """
+def curve_sentences(curve: MeasuredCurve) -> list[str]:
+    """Return sentences on the cycles of a curve, and on its points that are not read."""
     sentences: list[str] = []
     if (starts := np.flatnonzero(curve.line[1:] == curve.line[:-1]) + 1).size:
         lines = ", ".join(str(line) for line in curve.line[starts])
@@ -218,6 +214,12 @@ def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: f
             "before them on their branch and are not read, which biases readings if stresses "
             f"scatter: measure more densely (branches of {LEAST_POINTS} points are averaged)"
         ))  # fmt: skip
+    return sentences
+
+
+def reading_sentences(curve: MeasuredCurve, measured: Readings, closure_error: float) -> list[str]:
+    """Return sentences on how a curve was read, with a caution if it scatters more than stated."""
+    sentences = curve_sentences(curve)
     if measured.errors is None:
         return sentences
     branches = [curve.ascending(cycle)[LOADING] for cycle in curve.cycles]

@@ -10,7 +10,7 @@ import xarray as xr
 
 from jointclosure.cli.report import Picture, provenance_rows, size_text
 from jointclosure.execution.progress import duration
-from jointclosure.parameters import PROPERTIES
+from jointclosure.parameters import PROPERTIES, Numerics
 from jointclosure.statistics.number_texts import number_text, percent, rounded
 from jointclosure.statistics.standard_errors import (
     Estimate,
@@ -31,11 +31,14 @@ from studies.paper.checks import (
 )
 from studies.paper.claims import OURS, TOLERANCE
 from studies.paper.report.page_tables import About, frames_of, with_limits
+from studies.paper.report.stability import stability
 from studies.paper.report.verdicts import (
     JUMPS,
     REFERENCE,
     TOO_FEW,
+    VERDICT_OF,
     is_too_wide,
+    is_unknown,
     verdict_of_cycles,
 )
 from studies.paper.requirements import REPORTED
@@ -93,12 +96,16 @@ def content(material: Material) -> dict:
         "outcome": outcome(study, titles),
         "jumping": jumping(known["study_hardness"]) if "study_hardness" in known else 0,
         "assessed": of_assessment,
+        "measured": measured_closures(known.get("measured_fit"), numbers, titles),
+        "chosen_effects": chosen_effects(study, titles),
+        "stability": stability(known, of_assessment),
         "scanned": scanned_walls(study),
         "verdicts": _verdicts(known["claims"]) if "claims" in known else {},
         "tolerance": TOLERANCE,
         "test": test_name(known.get("table_3_indifference", pd.DataFrame())),
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
+        "finer_numerics": finer_numerics(configuration.numerics),
         "departures": departures(rows),
         "failed_checks": int((~known["checks"].passed).sum()),
         "limited_checks": int((known["checks"].required != REPORTED).sum()),
@@ -107,6 +114,28 @@ def content(material: Material) -> dict:
         "median_time": duration(float(study.timing_simulation.median())),
         "frames": frames_of(study, known, About(titles, of_paper))
         | {"configuration": rows, "in_short": numbers},
+    }
+
+
+def finer_numerics(numerics: Numerics) -> str:
+    """Return the key of a configuration with smaller errors than those of ``numerics``.
+
+    It resolves breakage, with a fifth of the tolerance where breakage is resolved already.
+    """
+    finer = f", tolerance: {numerics.tolerance / 5.0:g}" if numerics.breakage == "resolved" else ""
+    return f"numerics: {{breakage: resolved{finer}}}"
+
+
+def chosen_effects(study: xr.Dataset, titles: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the sentences by which `effects.auto` decided on effects, by the title of a rock.
+
+    It is empty for a study that states its effects.
+    """
+    chosen = json.loads(study.attrs.get("effects_chosen", "{}"))
+    return {
+        titles[rock]: [reason for case in about["cases"].values() for reason in case["reasons"]]
+        for rock, about in chosen.items()
+        if rock in titles
     }
 
 
@@ -204,16 +233,17 @@ def assessed(
         f"{with_unit(row, 'gross_percent', '%')} on cycle {row.cycle:.0f}: {row.verdict}"
         for _, row in reached.iterrows()
     ]
+    about["prices"] = prices(settings, about["within"])
     about["errors_of"] = {
         title: [
             f"{with_unit(row, name, '%')} on cycle {row.cycle:.0f}"
             for _, row in reached.iterrows()
-            if name in row and not is_too_wide(row, name)
+            if name in row and not is_unknown(row, name)
         ]
         for name, title in ERRORS.items()
     }
     about["unknown_errors"] = any(
-        is_too_wide(row, name) for _, row in reached.iterrows() for name in ERRORS
+        is_unknown(row, name) for _, row in reached.iterrows() for name in ERRORS
     )
     about["errors_of_share"] = [
         with_unit(row, "remains_points", "percentage points")
@@ -231,6 +261,25 @@ def assessed(
     rocks = [*titles] if larger > 0 else str(cost.rocks).split(", ")
     about["rocks"] = [titles[rock] for rock in rocks]
     return about
+
+
+def prices(settings: pd.DataFrame, within: str) -> list[str]:
+    """Say of each setting of the numerics what time a joint takes, and the verdict on its error.
+
+    ``settings`` are rows of the study's assessment, in the order of their accuracy, and ``within``
+    is the request in words. Settings whose time is not known are left out.
+    """
+    words = {
+        REFERENCE: "the finest setting, with which others are compared",
+        VERDICT_OF[True]: f"its error is within {within}",
+        VERDICT_OF[False]: f"its error is beyond {within}",
+        VERDICT_OF[None]: f"these joints do not show whether its error is within {within}",
+    }
+    return [
+        f"{number_text(seconds, 2)} s by {name} ({words[verdict_of_cycles(rows)]})"
+        for name, rows in settings.groupby("variant", sort=False)
+        if np.isfinite(seconds := float(rows.seconds.iloc[0]))
+    ]
 
 
 def with_unit(row: pd.Series, name: str, unit: str) -> str:
@@ -319,6 +368,32 @@ def _with_half_width(name: str, estimate: Estimate, joints: int) -> dict[str, ob
         name: estimate.value,
         f"{name}{HALF_WIDTH}": half_width(estimate.standard_error, joints),
     }
+
+
+def measured_closures(
+    fits: pd.DataFrame | None, numbers: pd.DataFrame, titles: Mapping[str, str]
+) -> list[str]:
+    """Return a sentence on measured closures and those of the model for each measured rock.
+
+    ``fits`` is the table ``measured_fit``, or None, and ``numbers`` that of `summary_frame`.
+    """
+    sentences = []
+    cycles = None if fits is None else fits[fits.cycle.astype(str) != "all"]
+    for rock, rows in () if cycles is None else cycles.groupby("rock", sort=False):
+        of_rock = numbers[numbers.Rock == titles[str(rock)]].iloc[0]
+        columns = {cycle: CLOSES.format(cycle=cycle) for cycle in rows.cycle}
+        measured = [f"{number_text(value, 2)} mm" for value in rows.largest_closure_mm]
+        modelled = [
+            f"{rounded(of_rock[name], of_rock[f'{name}{HALF_WIDTH}'])} mm"
+            for name in columns.values()
+        ]
+        where = " and ".join(f"cycle {cycle}" for cycle in columns)
+        sentences.append(
+            f"The measured joint of {titles[str(rock)]} closes by {' and '.join(measured)} on "
+            f"{where}, the joints of the model by {' and '.join(modelled)} (largest net closure "
+            "since seating; the measured curve may end at a lower stress)."
+        )
+    return sentences
 
 
 def ranges_over_rocks(numbers: pd.DataFrame, configuration: Configuration) -> dict[str, str]:

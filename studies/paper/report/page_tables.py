@@ -16,7 +16,6 @@ from jointclosure.joint.status import FAILURE, FLAGS
 from jointclosure.parameters import PROPERTIES, scene_of
 from jointclosure.statistics.number_texts import (
     ABSENT,
-    number_text,
     percent,
     rounded,
     with_equal_decimals,
@@ -25,7 +24,7 @@ from studies.frame.joint_tables import changes_of_cases, in_words, succeeded
 from studies.paper.checks import change_in_words, remarked_joints
 from studies.paper.claims import CLAIMS, FOUND
 from studies.paper.conclusions import COUNTS
-from studies.paper.report.verdicts import TOO_FEW, is_too_wide
+from studies.paper.report.verdicts import TOO_FEW, is_unknown
 from studies.paper.requirements import REPORTED
 from studies.paper.tables_1_to_3 import table_3
 
@@ -71,7 +70,7 @@ def layout(intervals: pd.DataFrame, about: About) -> pd.DataFrame:
     rows = []
     for parameter in ours.index:
         for cycle in dict.fromkeys(cycle for cycle, _ in ours.columns):
-            cells = [_PROPERTY[parameter], str(cycle)]
+            cells = [_WITH_UNITS[parameter], str(cycle)]
             for rock, title in about.titles.items():
                 text = ours.loc[parameter, [(cycle, title)]].iloc[0]
                 if theirs is not None and rock in about.of_paper:
@@ -220,15 +219,16 @@ def assessed(table: pd.DataFrame, about: About) -> dict[str, pd.DataFrame]:
 
 
 def with_limits(row: pd.Series, name: str) -> str:
-    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)"; one joint has none.
+    """Format a number with its 95 % interval, such as "-3.1 (-9.2 to 3.0)".
 
-    Where the interval is so wide that nothing is known, the text is `TOO_FEW`.
+    Where one joint has no interval, or the interval is so wide that nothing is known, the text is
+    `TOO_FEW`.
     """
     value, low, high = (row.get(f"{name}{end}", np.nan) for end in ("", "_low", "_high"))
-    if is_too_wide(row, name):
+    if pd.isna(value):
+        return ABSENT
+    if is_unknown(row, name):
         return TOO_FEW
-    if pd.isna(value) or not np.isfinite([low, high]).all():
-        return number_text(value, 2)
     shown = with_equal_decimals([value, low, high])
     return f"{shown[0]} ({shown[1]} to {shown[2]})"
 
@@ -314,7 +314,9 @@ _PREPARED: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "claims": judged,
     "conclusions": concluded,
     "hydraulic_aperture": flow,
-    "measured_fit": pd.DataFrame,
+    "measured_fit": lambda table: table.assign(  # older tables have no points of the file
+        measured_points=table.get("measured_points", pd.Series(ABSENT, table.index))
+    ),
     "table_3_joint_tests": with_errors_of_joint_tests,
     "elasticities": pd.DataFrame,
     "accuracy_reached": lambda table: table.assign(

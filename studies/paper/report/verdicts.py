@@ -32,11 +32,25 @@ def verdict_of_cycles(rows: pd.DataFrame) -> str:
     return next((one for one in order if one in known), VERDICT_OF[None])
 
 
+def has_interval(row: Mapping[str, Any], name: str) -> bool:
+    """Return whether the interval of a change has two ends, which that of one joint has not."""
+    ends = [row.get(f"{name}{end}", np.nan) for end in ("_low", "_high")]
+    return bool(np.isfinite(ends).all())
+
+
+def is_unknown(row: Mapping[str, Any], name: str) -> bool:
+    """Return whether a change has a value, but no interval or one that is too wide."""
+    if pd.isna(row.get(name, np.nan)):
+        return False
+    return not has_interval(row, name) or is_too_wide(row, name)
+
+
 def is_too_wide(row: Mapping[str, Any], name: str) -> bool:
     """Return whether the interval of a change contains 0 and is wider than ±`WIDEST`.
 
-    One joint has no interval.
+    A change without an interval (`has_interval`) is not too wide.
     """
-    low, high = (row.get(f"{name}{end}", np.nan) for end in ("_low", "_high"))
-    known = np.isfinite([low, high]).all()
-    return bool(known and high - low > 2.0 * WIDEST and low <= 0.0 <= high)
+    if not has_interval(row, name):
+        return False
+    low, high = (row[f"{name}{end}"] for end in ("_low", "_high"))
+    return bool(high - low > 2.0 * WIDEST and low <= 0.0 <= high)
