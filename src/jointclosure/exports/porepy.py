@@ -14,9 +14,10 @@ def porepy_files(
 ) -> Exported:
     """Return PorePy's Barton-Bandis constants [Pa/m, m, m] of the loading of a cycle.
 
-    They are those of its hyperbolas, which are ``fitted`` unless they are given. Their aperture is
-    the mean aperture; for a joint with flow a remark has the ratio of the hydraulic aperture to it.
-    Raise `InputError` if no hyperbola can be fitted to the joint.
+    They are those of its hyperbolas, which are ``fitted`` unless they are given, and which begin at
+    the ``seating_stress`` [Pa] beside them. Their aperture is the mean aperture; for a joint with
+    flow a remark has the ratio of the hydraulic aperture to it. Raise `InputError` if no hyperbola
+    can be fitted to the joint.
     """
     fitted = fitted or fitted_loading(joint, curves, cycle)
     hyperbolas = fitted.required_by("PorePy")
@@ -30,11 +31,13 @@ def porepy_files(
             "PorePy: residual_aperture is of the mean aperture; the hydraulic aperture is "
             f"{text} at {top.normal_stress_MPa:g} MPa"
         )
+    seating = float(history_of(joint).seating_stress)
     constants = {
         f"porepy{ending}.json": {
             "fracture_normal_stiffness": law.stiffness,
             "maximum_elastic_fracture_opening": law.largest_closure,
             "residual_aperture": max(law.aperture - law.largest_closure, 0.0),
+            "seating_stress": seating,
         }
         for ending, law in hyperbolas.items()
     }

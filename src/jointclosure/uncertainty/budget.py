@@ -65,6 +65,11 @@ MEASURED = (
     *measured_range("later_residual_share"),
 )
 """What is known of the model from three measured granodiorite joints."""
+AT_EDGE = (
+    "* all results of random inputs are smaller, or all are larger, than the value before the "
+    "bracket: quote the range, and not this value"
+)
+"""Note below a table of results, of which those have an asterisk."""
 OUTLYING = 0.15  # share of random joints beyond the best value, below which it is at their edge
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 FURTHER = 10_000  # further joints with random values whose results are estimated for the range
@@ -126,7 +131,7 @@ class Budget(NamedTuple):
 
     def tables(self) -> list[str]:
         """Format the results, and below them the ranges with other choices of the model."""
-        lines = [self.table().to_string()]
+        lines = [self.table().to_string(), *self.notes()]
         if self.choices:
             lines += [self.wider_title(), self.wider_table().to_string()]
         return lines
@@ -277,8 +282,7 @@ class Budget(NamedTuple):
 
     def _about_draws(self, cycle: int, quantity: str) -> list[str]:
         """Describe a joint whose best value is at the edge of those of random inputs."""
-        of_all = self.results.source == ALL
-        drawn = self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
+        drawn = self._drawn(cycle, quantity)
         best = self.ranges.loc[(cycle, quantity), "best"]
         below = (drawn < best).mean() if len(drawn) else 0.5
         share = max(below, 1.0 - below)
@@ -315,8 +319,29 @@ class Budget(NamedTuple):
         ]
 
     def table(self) -> pd.DataFrame:
-        """Return the results as text, quantities over cycles."""
-        return table_of(self.ranges.index.unique("cycle"), self.text)
+        """Return the results as text, quantities over cycles; see `AT_EDGE` for asterisks."""
+
+        def marked(cycle: int, quantity: str) -> str:
+            mark = " *" if self.at_edge(cycle, quantity) else ""
+            return f"{self.text(cycle, quantity)}{mark}"
+
+        return table_of(self.ranges.index.unique("cycle"), marked)
+
+    def notes(self) -> list[str]:
+        """Return the lines that explain marks of `table`, none if it has none."""
+        return [AT_EDGE] if any(self.at_edge(*place) for place in self.ranges.index) else []
+
+    def at_edge(self, cycle: int, quantity: str) -> bool:
+        """Return whether all results of random inputs lie on one side of that of the joint."""
+        drawn = self._drawn(cycle, quantity)
+        best = self.ranges.loc[(cycle, quantity), "best"]
+        aside = (drawn < best).all() or (drawn > best).all()
+        return bool(len(drawn) and aside and self.modelled(cycle, quantity))
+
+    def _drawn(self, cycle: int, quantity: str) -> pd.Series:
+        """Return the known results of joints with random values of all sources."""
+        of_all = self.results.source == ALL
+        return self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
 
     def text(self, cycle: int, quantity: str) -> str:
         """Format a result of the joint and its range with equal decimals: "0.18 (0.13 to 0.24)"."""

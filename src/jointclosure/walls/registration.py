@@ -15,6 +15,7 @@ from jointclosure.walls.missing_heights import fill_missing
 from jointclosure.walls.motion import NO_MOTION, Motion, moved_heights
 from jointclosure.walls.overlap import HeightsAt, Overlap, overlap_of
 from jointclosure.walls.pair_remarks import (
+    best_fit_remarks,
     coarser_grid_caution,
     scale_caution,
     wall_remarks,
@@ -23,6 +24,7 @@ from jointclosure.walls.pair_remarks import (
 from jointclosure.walls.position_search import (
     BestFit,
     Position,
+    at_best_fit,
     best_fit,
     check_found,
     position_of,
@@ -30,6 +32,7 @@ from jointclosure.walls.position_search import (
 from jointclosure.walls.prepared_scans import (
     SIDES,
     PreparedScans,
+    SampledScans,
     prepared_scans,
     sampled_if_finer,
     scans_by_side,
@@ -178,10 +181,33 @@ def registered_by(
         *overlap_remarks,
         *grid.remarks,
         *wall_remarks(pair, grid.overlap, position.in_frame),
+        *_apart_remarks(pair, prepared, sampled, of_nodes, options),
         *scale_remarks,
         *map(caution, contradictions + unlike_rock),
     ]
     return pair._replace(scale=scale, lost_square_slope=lost_square, remarks=remarks)
+
+
+def _apart_remarks(
+    pair: RegisteredPair,
+    prepared: PreparedScans,
+    sampled: SampledScans,
+    spacing: float,
+    options: RegistrationOptions,
+) -> list[str]:
+    """Warn of walls whose stated scanned position fits clearly worse than that of best fit.
+
+    The overlap there is of a grid of a ``spacing`` [m].
+    """
+    mated = pair.mated
+    if options.shift != "scanned" or mated is None or not np.isfinite(mated.covariance).all():
+        return []
+    share = options.largest_filled_share
+    try:
+        best, _, _ = _overlap_at(at_best_fit(mated), prepared, sampled.lower, spacing, share)
+    except InputError:  # the walls do not overlap there
+        return []
+    return best_fit_remarks(pair, best)
 
 
 def _overlap_at(
