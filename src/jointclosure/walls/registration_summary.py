@@ -48,8 +48,7 @@ def _position(pair: RegisteredPair, has_range: bool) -> list[str]:
     errors_of = "the standard errors of the range" if has_range else "standard errors"
     return [
         f"the upper wall was turned by {motion.angle:.3f} +- {angle:.3f} degrees, and its middle "
-        f"moved by ({x}, {y}) mm along (x, y), with {errors_of}",
-        _ORDER,
+        f"moved by ({x}, {y}) mm along (x, y), with {errors_of}; {_ORDER}"
     ]
 
 
