@@ -51,7 +51,7 @@ from jointclosure.uncertainty.ranged_results import (
 from jointclosure.uncertainty.ranges import WIDER
 from jointclosure.uncertainty.scanned_joint import ClosedJoint
 from jointclosure.uncertainty.sources import ALL, MULTIPLE, sources_of
-from jointclosure.uncertainty.tested_domain import TESTED
+from jointclosure.uncertainty.tested_domain import TESTED, Domain
 from jointclosure.uncertainty.variants import Variant, variants_of
 from jointclosure.walls.gridding import usual_grid_spacing
 
@@ -64,8 +64,13 @@ HELD = 0.9  # probability that a range is to have
 RESAMPLES = 400  # of the pairs, for standard errors
 CHOICES = 2  # random choices of the model for each pair
 USUAL, CHOSEN = "usual", "with choices"
+SMOOTH = Domain(rotation=7.0, tilt=3.0, noise=TESTED.noise, jrc=15.0)
+"""Largest rotation, tilt, noise and JRC of the pairs below number `ROUGH`."""
+LEAST_JRC = 5.0
+STEEPEST = 1.4
+"""Largest factor of the heights of rough pairs, over those of a JRC of 20."""
 ROUGH = 6000
-"""Number of the first pair of rough walls and unequal grids."""
+"""Number of the first pair of rough walls and unequal grids, of up to the `TESTED` values."""
 
 
 def inputs(number: int) -> tuple[dict, jc.Rock, float]:
@@ -75,9 +80,10 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
     cells = int(random.integers(32, 47)) * round(usual_grid_spacing(cell) / cell)
     stated = {
         "cell": cell, "cells": cells, "cloud": False, "over": False,
-        "rotation": random.uniform(-TESTED.rotation, TESTED.rotation),
-        "tilt": random.uniform(0.0, TESTED.tilt),
-        "noise": 1e-6 * random.uniform(0.0, 1e6 * TESTED.noise), "jrc": random.uniform(5.0, 15.0),
+        "rotation": random.uniform(-SMOOTH.rotation, SMOOTH.rotation),
+        "tilt": random.uniform(0.0, SMOOTH.tilt),
+        "noise": 1e-6 * random.uniform(0.0, 1e6 * SMOOTH.noise),
+        "jrc": random.uniform(LEAST_JRC, SMOOTH.jrc),
         "mating": 0.5e-3 * 8.0 ** random.random(),
     }  # fmt: skip
     rock = jc.Rock(
@@ -89,9 +95,9 @@ def inputs(number: int) -> tuple[dict, jc.Rock, float]:
     if number >= ROUGH:
         stated |= {
             "jrc": 20.0,
-            "steepness": random.uniform(0.8, 1.4),
-            "rotation": random.uniform(-45.0, 45.0),
-            "tilt": random.uniform(0.0, 8.0),
+            "steepness": random.uniform(0.8, STEEPEST),
+            "rotation": random.uniform(-TESTED.rotation, TESTED.rotation),
+            "tilt": random.uniform(0.0, TESTED.tilt),
             "lower_cell": cell * random.uniform(0.7, 1.0),
         }
     if number % 5 >= 3:  # too different from each other to be registered

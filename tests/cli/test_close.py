@@ -297,6 +297,7 @@ def test_the_time_of_a_range_is_stated_when_the_joint_is_simulated(
     _, out, _ = command("close", *words)
     count = len(stopped.call_args.args[0].variants)
     assert f"- the range takes {count} further simulations, together about " in out
+    assert re.search(r"of processor time; with \d+ at the same time they take about \d", out)
 
 
 def test_kernels_are_compiled_before_the_joint_whose_time_gives_that_of_the_range(

@@ -71,6 +71,7 @@ def nothing_is_computed(monkeypatch, inputs):
             ["simulate", *GRANITE, "--jrc", 8, "--stress", 1, "--spacing", 2.5e-7],
             "--spacing 2.5e-07: not usual of rock (0.001 to 100 mm); is the unit right?",
         ),
+        (["simulate", "--rock", "slate", "--stress=-5"], "--stress -5: must be positive"),
         (["fit", *FIT], "size: must be given"),
         (["fit", "lab.csv", "--jrc", "x"], "argument --jrc: 'x': must be numbers with commas"),
         (["validate", "none.csv", *FIT[1:], "--cells", 12], "none.csv: file not found"),

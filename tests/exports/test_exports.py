@@ -37,6 +37,7 @@ from jointclosure.storage.folders import write
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.uncertainty import published_joints
 from jointclosure.uncertainty.published_joints import measured_range
+from jointclosure.uncertainty.ranges import MEANT
 from tests.joints import COARSE, SPACING, closed, on_softer_half_spaces
 
 UNKNOWN = ["at_least", "not_solved"]
@@ -284,8 +285,9 @@ CLOSES = {"": 1.0, "_closes_less": LOW, "_closes_more": HIGH}
 def test_joints_that_close_less_or_more_have_porepy_files_of_their_own(history, band, ending):
     files = porepy_files(history, band, 2).files
     assert set(files) == {f"porepy{end}.json" for end in CLOSES}
-    stiffness, opening, residual = files[f"porepy{ending}.json"].values()
-    stiff, opens, stays = porepy(history).values()
+    stiffness, opening, residual, seating = files[f"porepy{ending}.json"].values()
+    stiff, opens, stays, _ = porepy(history).values()
+    assert seating == history_of(history).seating_stress > 0.0
     assert stiffness == pytest.approx(stiff / CLOSES[ending], rel=1e-3)
     assert opening == pytest.approx(CLOSES[ending] * opens, rel=1e-3)
     # all begin at the aperture of the joint at seating
@@ -428,7 +430,7 @@ def figure(history):
 def test_the_engineering_figure_names_its_bands(figure):
     (legend,) = figure.legends
     shown = {text.get_text() for text in legend.get_texts()}
-    assert {"cycle 1, 9 in 10 joints", "cycle 2, 9 in 10 joints"} <= shown
+    assert {"cycle 1, range", "cycle 2, range"} <= shown
 
 
 def test_curves_of_all_cycles_have_one_neutral_entry_in_the_legend(figure):
@@ -476,7 +478,7 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     """Its fracture closes from the elastic opening by Bandis' hyperbola."""
     solid = json.loads((folder / "t/porepy.json").read_text())
     assert solid == porepy(history)
-    stiffness, opening, residual = solid.values()
+    stiffness, opening, residual, _ = solid.values()
     traction = float(history.normal_stress.max()) - 0.5e6
     closes = opening * traction / (stiffness * opening + traction)
     cycle = cycle_table(history).iloc[1]
@@ -506,7 +508,7 @@ def from_zero():
 
 
 def test_without_a_seating_stress_constants_of_programs_agree_with_those_on_the_screen(from_zero):
-    stiffness, opening, residual = porepy(from_zero, 1).values()
+    stiffness, opening, residual, _ = porepy(from_zero, 1).values()
     kni, vm = loading_hyperbolas(from_zero, [1]).loc[1]
     assert stiffness == pytest.approx(1e9 * kni, rel=1e-12)
     assert opening == pytest.approx(1e-3 * vm, rel=1e-12)
@@ -557,7 +559,7 @@ def test_constants_for_udec_or_3dec_are_those_of_the_laws(history):
         assert values[f"bb_empirical_vm_cycle_{cycle}"] == pytest.approx(
             law.largest_closure, rel=1e-6
         )
-    stiff, opening, _ = porepy(history).values()
+    stiff, opening, *_ = porepy(history).values()
     assert (values["bb_kni"], values["bb_vm"]) == pytest.approx((stiff, opening), rel=1e-6)
     assert values["bb_empirical_aperture"] == pytest.approx(LAWS.from_zero(1).aperture, rel=1e-6)
 
@@ -623,13 +625,13 @@ def test_inputs_of_other_programs_have_the_ends_with_other_choices_of_the_model(
     law = geos_barton_bandis(history, wide, 2).files["geos_barton_bandis.xml"]
     assert 'name="joint_aperture_high_with_choices"' in law
     for text in fitted_texts(history, wide).values():
-        assert "of the ends of the range of 9 in 10 joints" in text
+        assert f"of the ends of the range, which is {MEANT}" in text
         assert "of the ends of the range with other choices of the model too" in text
 
 
 def test_the_stiffness_for_udec_or_3dec_is_the_slope_of_the_hyperbola(history):
     _, stiffness = fish_constants(history, stress_table(history))
-    stiff, opening, _ = porepy(history).values()
+    stiff, opening, *_ = porepy(history).values()
     assert stiffness(0.5e6) == pytest.approx(stiff, rel=1e-6)
     # the slope of the stress over the closure of the hyperbola
     stress = np.array([2e6, 2.001e6])
@@ -789,7 +791,7 @@ def test_the_triangles_of_the_mesh_in_contact_are_those_beside_the_cell_of_first
 def test_a_loading_that_begins_above_seating_has_no_constants():
     walls = jc.wall_pair(8.0, (24, 20), SPACING, seed=1)
     joint = closed(walls, [4e6, 0.0, 4e6, 1e6, 4e6], seating_stress=0.5e6)
-    assert len(porepy(joint, 2)) == 3
+    assert len(porepy(joint, 2)) == 4
     reason = "the loading of cycle 3 does not begin at or below the seating stress, 500000 Pa"
     with pytest.raises(jc.InputError, match=f"PorePy: {reason}"):
         porepy(joint, 3)
@@ -803,6 +805,30 @@ def without_interaction():
     return closed(walls, 2e6, effects=alone, seating_stress=0.2e6)
 
 
+def test_an_end_of_a_band_at_zero_is_not_said_to_flow(history, band):
+    """Its simulations may all flow, as changes by choices of the model are extrapolated."""
+    flowing = with_flow(history)
+    curves = with_band(stress_table(flowing), 0.9, 1.1).assign(range_flow_status="flows")
+    ends = {"low": 0.0, "high": 2.0}
+    for name in ("hydraulic_aperture_mm", "largest_hydraulic_mm"):
+        for end, factor in ends.items():
+            curves[f"{name}_{end}"] = factor * curves[name]
+    reasons = [line for line in geos_files(flowing, curves, 2).remarks if "aperture_low" in line]
+    (reason,) = reasons
+    assert "the hydraulic aperture, low end of its band, is 0 at " in reason
+    assert "flows" not in reason
+
+
+@pytest.mark.parametrize(("error", "warned"), [(0.0, False), (-0.8, True)])
+def test_a_law_of_geos_that_misses_the_aperture_by_half_is_a_warning(history, error, warned):
+    curves = stress_table(history)
+    stress = curves.normal_stress_MPa
+    law = 0.2 / (1.0 + 9.0 * stress / 50.0)
+    bent = curves.assign(mean_aperture_mm=law * (1.0 + error * (stress == stress.max())))
+    (remark, *_) = geos_barton_bandis(history, bent, 2).remarks
+    assert (remark in cautions([remark])) == warned
+
+
 def test_only_the_end_of_a_table_that_is_too_steep_for_geos_is_changed(without_interaction):
     gap, aperture = geos_table(without_interaction)
     slopes = np.diff(aperture) / np.diff(gap)
@@ -814,6 +840,6 @@ def test_only_the_end_of_a_table_that_is_too_steep_for_geos_is_changed(without_i
 
 def test_a_mean_aperture_of_zero_is_refused_for_geos(without_interaction):
     blocked = without_interaction.assign(mean_aperture=0.0 * without_interaction.mean_aperture)
-    refused = r"mean aperture must be known and positive, and is not at 0.2 MPa"
+    refused = r"mean aperture is 0 at 0.2 MPa, and GEOS needs a positive one at every stress"
     with pytest.raises(jc.InputError, match=refused):
         geos_table(blocked)

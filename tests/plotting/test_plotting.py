@@ -10,6 +10,7 @@ from PIL import Image
 
 import jointclosure as jc
 from jointclosure.cli import main as cli
+from jointclosure.ensembles.quantities import CURVES
 from jointclosure.joint.result_tables import stress_table
 from jointclosure.plotting import snapshots
 from jointclosure.plotting.joint import closure_curve, engineering_figure
@@ -187,6 +188,21 @@ def test_one_legend_below_the_panels_names_an_unloading_that_its_loading_hides(f
     assert len(set(named)) == len(named)
     assert "cycle 2, unloading (same as loading)" in named
     assert "cycle 1, unloading" in named
+
+
+@pytest.mark.parametrize("blocked", [False, True])
+def test_bands_of_transmissivity_end_where_joints_of_the_range_are_blocked(flowing, blocked):
+    curves = stress_table(flowing)
+    for name in [column for column in CURVES if column in curves]:
+        curves[f"{name}_low"] = 0.9 * curves[name]
+        curves[f"{name}_high"] = 1.1 * curves[name]
+    low = "transmissivity_m2_per_s_low"
+    curves.loc[curves.normal_stress_MPa > 2.0, low] *= 0.0 if blocked else 1.0
+    figure = engineering_figure(flowing, "a joint", curves)
+    band = figure.axes[3].collections[0].get_paths()[0].vertices
+    assert (band[:, 0].max() <= 2.0) == blocked
+    said = "some joints of the range are blocked" in figure.legends[0].get_title().get_text()
+    assert said == blocked
 
 
 def test_the_axis_of_transmissivity_ends_where_the_data_do(flowing):

@@ -7,40 +7,56 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from benchmarks.range_coverage import inputs
+from benchmarks.range_coverage import ROUGH, SMOOTH, inputs
+from jointclosure.uncertainty import tested_domain
 from jointclosure.uncertainty.tested_domain import TESTED, beyond_tested
 from jointclosure.walls.gridding import Scan
 from tests.joints import ELASTIC, SPACING, pair
 
 
-def walls(angle=0.0, tilt=0.0, noise=0.0):
-    motion = SimpleNamespace(angle=angle, tilt=tilt)
-    return SimpleNamespace(motion=motion, scan_noise=(("lower", noise, 2.0 * noise),))
+def walls(angle=0.0, tilt=0.0, noise=0.0, steeper=1.0):
+    upper, lower = (steeper * wall for wall in pair(24))
+    return SimpleNamespace(
+        motion=SimpleNamespace(angle=angle, tilt=tilt),
+        scan_noise=(("lower", noise, 2.0 * noise),),
+        upper=upper, lower=lower, spacing=SPACING,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
     ("beyond", "named"),
     [
-        ({"angle": -12.0}, "turned by 12 degrees from a quarter turn of the grid (tested: up to 7"),
-        ({"angle": 100.0}, "turned by 10 degrees"),
-        ({"tilt": 4.0}, "tilted by 4 degrees (tested: up to 3)"),
+        ({"tilt": 8.5}, "tilted by 8.5 degrees (tested: up to 8)"),
+        ({"steeper": 3.0}, "their JRC is "),
         ({"noise": 20e-6}, "the noise of the lower wall is at least 20 um (tested: up to 15)"),
     ],
 )
 def test_what_lies_outside_of_the_tested_domain_is_named(beyond, named):
     (line,) = beyond_tested(walls(**beyond))
+    assert line.startswith("ranges of the results were not tested on such walls: ")
     assert named in line
 
 
-@pytest.mark.parametrize("angle", [0.0, 6.9, -6.9, 180.0, -90.0, 173.5])
+@pytest.mark.parametrize("angle", [-12.0, 100.0])
+def test_rotations_count_from_a_quarter_turn(angle, monkeypatch):
+    """No rotation is beyond the domain of `TESTED`, which ends halfway between quarter turns."""
+    assert beyond_tested(walls(angle)) == []
+    monkeypatch.setattr(tested_domain, "TESTED", SMOOTH)
+    (line,) = beyond_tested(walls(angle))
+    turned = f"turned by {min(abs(angle), abs(angle - 90.0)):g} degrees from a quarter turn"
+    assert f"{turned} of the grid (tested: up to 7)" in line
+
+
+@pytest.mark.parametrize("angle", [0.0, 6.9, -6.9, 180.0, -90.0, 173.5, 30.0])
 def test_walls_inside_of_the_tested_domain_have_no_line(angle):
-    assert beyond_tested(walls(angle, 2.9, 14e-6)) == []
-    assert beyond_tested(walls(angle, 2.9, np.nan)) == []
+    assert beyond_tested(walls(angle, 7.9, 14e-6)) == []
+    assert beyond_tested(walls(angle, 7.9, np.nan)) == []
 
 
-def test_the_pairs_of_the_benchmark_are_the_tested_domain():
-    drawn = [inputs(number)[0] for number in range(2000, 2060)]
-    for name, most in TESTED._asdict().items():
+@pytest.mark.parametrize(("first", "domain"), [(2000, SMOOTH), (ROUGH, TESTED)])
+def test_the_pairs_of_the_benchmark_are_the_tested_domain(first, domain):
+    drawn = [inputs(number)[0] for number in range(first, first + 60)]
+    for name, most in domain._asdict().items():
         sizes = [abs(stated[name]) for stated in drawn]
         assert 0.9 * most < max(sizes) <= most
 

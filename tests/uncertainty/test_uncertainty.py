@@ -572,6 +572,18 @@ def test_a_result_at_an_end_of_its_range_says_why():
     assert not budget_of({CLOSURE_NET: around, CLOSURE_GROSS: around + 1.0}).one_sided()
 
 
+def test_a_result_at_the_edge_of_those_of_random_inputs_has_a_mark_in_the_table():
+    aside = np.array([1.0, 1.0, 2.0, 1.2, 1.8])
+    around = np.array([1.0, 0.8, 1.25, 0.9, 1.1])
+    budget = budget_of({CLOSURE_NET: aside, CLOSURE_GROSS: around + 1.0})
+    table = budget.table()[budget.table().columns[0]]
+    assert table[RANGED_RESULTS[CLOSURE_NET]] == f"{budget.text(1, CLOSURE_NET)} *"
+    assert table[RANGED_RESULTS[CLOSURE_GROSS]] == budget.text(1, CLOSURE_GROSS)
+    assert budget.notes() == [budget_module.AT_EDGE]
+    assert budget_module.AT_EDGE in str(budget)
+    assert budget_of({CLOSURE_NET: around, CLOSURE_GROSS: around + 1.0}).notes() == []
+
+
 @pytest.mark.parametrize("missing", [5, 1])
 def test_a_largest_closure_that_joints_do_not_determine_is_stated(missing):
     """Of all joints, or of one of those with random values."""

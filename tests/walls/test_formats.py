@@ -179,7 +179,11 @@ def test_a_pickle_is_refused_before_it_runs(name, tmp_path):
         ("a.npz", {"variable": "Q"}, "variable = 'Q': must be one of Z_um, spacing_m"),
         ("a.nc", {"units": "mm"}, "units = 'mm': the heights of the file are in 'micrometre'"),
         ("a.nc", {"units": "um"}, "units = 'um': the distances of the file are in 'm'"),
-        ("a.csv", {"units": "m"}, "units = 'm': the heights of the file are in 'um'"),
+        (
+            "a.csv",
+            {"units": "m"},
+            "units = 'm': the heights of the file are in 'um'; leave the units out",
+        ),
         ("geo.tiff", {"units": "mm"}, "the heights of the file are in 'metre'"),
         ("a.stl", {"units": "mm", "scan_spacing": 5e-4}, "= 0.5 mm: the file states 0.25 mm"),
         ("gwyddion.asc", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
@@ -838,3 +842,15 @@ def test_packed_pixels_are_heights_if_of_one_image(bands, turned, printed, wall,
         np.testing.assert_allclose(read_scan(path, units="mm").heights, 1e-6 * micrometres)
     else:
         refused(printed, path, units="mm")
+
+
+def test_a_missing_column_is_named(tmp_path):
+    path = tmp_path / "two.csv"
+    path.write_text("x (mm),y (mm)\n" + "1.0,2.0\n2.0,3.0\n" * 20)
+    refused(r"columns x \(mm\), y \(mm\): z is missing; must be named x, y and z", path)
+
+
+def test_a_small_grid_is_told_from_points(tmp_path):
+    path = tmp_path / "small.txt"
+    np.savetxt(path, np.random.default_rng(1).random((4, 4)))
+    refused("a grid of heights, it must have at least 12 columns", path, units="mm")

@@ -198,6 +198,13 @@ def test_the_command_measures_a_profile(by_command):
     assert picture.stat().st_size > 0
 
 
+def test_relations_are_printed_with_their_sources_and_the_default_is_named(by_command):
+    out, _, _ = by_command
+    assert all(relation.title in out for relation in RELATIONS.values())
+    assert "that of Yu & Vayssade 1991, linear, 0.25 mm is the default of close" in out
+    assert not any(name in out for name in RELATIONS)
+
+
 @pytest.mark.parametrize("words", [["--spacing", "0.5"], ["--missing", "linear"]])
 def test_options_of_walls_are_refused_with_a_profile(tmp_path, capsys, words):
     file = written(tmp_path, ["0 0", "1 1"])

@@ -31,6 +31,7 @@ from jointclosure.walls.position_search import BestFit, Position, _remedy
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.registration import registered
 from jointclosure.walls.registration_options import ORIENTATIONS
+from jointclosure.walls.registration_summary import summary_of
 from jointclosure.walls.rotation_search import SlopeFit
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.spikes import remove_spikes, spike_heights
@@ -193,6 +194,40 @@ def test_the_motion_of_a_scan_is_undone_within_its_errors(number):
     assert pair.orientation == ("turned_over" if truth.about["over"] else "common_frame")
     for wall, true in zip((pair.upper, pair.lower), truth.walls(pair), strict=True):
         assert np.std((wall - true)[~pair.holes]) < 0.12 * SPACING
+
+
+@pytest.mark.parametrize(("cells", "warned"), [(0, False), (6, True)])
+def test_walls_that_fit_better_elsewhere_than_as_scanned_have_a_warning(joint, cells, warned):
+    upper, lower = joint
+    moved = grid(-upper, (0.0, cells * SPACING))
+    pair = registered(moved, grid(lower, (0.0, 0.0)), **AS_SCANNED)
+    lines = [line for line in cautions(pair.remarks) if "in their scanned position, and by" in line]
+    assert bool(lines) == warned
+    if warned:
+        (x, _) = re.search(r"which lies \((\S+), (\S+)\) mm from it", lines[0]).groups()
+        assert float(x) == pytest.approx(-1e3 * cells * SPACING, abs=0.1 * 1e3 * SPACING)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 7.0])
+def test_inclined_walls_as_scanned_are_said_to_close_along_their_normal(joint, tilt):
+    upper, lower = joint
+    rise = np.tan(np.radians(tilt)) * SPACING * np.arange(upper.shape[1])
+    pair = registered(grid(rise - upper, (0.0, 0.0)), grid(rise + lower, (0.0, 0.0)), **AS_SCANNED)
+    lines = [line for line in summary_of(pair) if "close along its normal" in line]
+    assert bool(lines) == (tilt > 0.0)
+    assert not tilt or "becomes 0.12 mm of shift along the joint" in lines[0]
+
+
+def test_the_summary_states_the_order_of_files_and_errors_that_the_range_has(joint):
+    upper, lower = scanned(joint[0], "turned_over"), grid(joint[1])
+    mated = registered(upper, lower)
+    assert any("the first file is taken as the upper wall" in line for line in summary_of(mated))
+    left = registered(scanned(joint[0]), lower, **AS_SCANNED)
+    (ranged,) = [line for line in summary_of(left) if "left in their scanned position" in line]
+    (single,) = [line for line in summary_of(left, False) if "left in their scanned" in line]
+    assert ranged.endswith("position, which has no error in the range")
+    assert single.endswith("position")
+    assert not any("of the range" in line for line in summary_of(mated, False))
 
 
 def test_walls_that_are_turned_as_scanned_are_refused_with_the_angle():

@@ -5,6 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.inputs.remarks import cautions
+from jointclosure.walls import scan_quality
 from jointclosure.walls.gridding import Cloud, points_of
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.scans.points import _find_axis
@@ -230,3 +231,10 @@ def test_units_in_which_heights_are_unusually_far_apart_are_warned_of(tmp_path, 
     if units == "inch":
         assert doubts[0].startswith("Warning: heights are 6.")
         assert "as they would be in mm; check units" in doubts[0]
+
+
+@pytest.mark.parametrize(("share", "separated"), [(0.5, True), (1.5, False)])
+def test_noise_as_large_as_all_differences_states_no_change_of_the_slope(share, separated):
+    line = scan_quality._error_caution("points scatter", 1e-10, share * 1e-10, 0.25e-3)
+    assert ("raises the rms slope" in line) == separated
+    assert ("noise and slopes cannot be separated here" in line) != separated

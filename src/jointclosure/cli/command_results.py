@@ -39,7 +39,7 @@ from jointclosure.uncertainty.ranged_results import (
     results_of,
     table_of,
 )
-from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
+from jointclosure.uncertainty.ranges import MEANT, RANGE_FLOW_STATUS
 
 ENDED_WELL = "the simulation ended as it should, but"
 """Words before the flags of a status that is not a failure."""
@@ -130,11 +130,9 @@ def summary(
         f"not. Closures count from {seating:g} MPa."
     )
     if budget is not None:
-        head += (
-            " Brackets contain the results of 9 in 10 joints that have these scans and the stated "
-            "properties."
-        )
-    lines = ["", "Results", head, table.to_string()]
+        head += f" Brackets are ranges, which are {MEANT}."
+    notes = budget.notes() if budget is not None else []
+    lines = ["", "Results", head, table.to_string(), *notes]
     choices = list(budget.choices) if budget is not None else []
     wider = pd.DataFrame()
     if budget is not None and choices:
@@ -155,6 +153,7 @@ def summary(
         lines += _section("Remarks", [*budget.main_sentences(), *comparison, *apertures])
     answer = {
         "table": table.to_dict(),
+        "notes_of_table": notes,
         "with_other_choices": wider.to_dict(),
         "choices": choices,
         "at": named.to_dict("records"),
@@ -394,7 +393,10 @@ def _stresses_without_aperture(curves: pd.DataFrame) -> list[str]:
     }
     if RANGE_FLOW_STATUS in reached:
         unknown = reached[RANGE_FLOW_STATUS].isin(ONLY_BOUNDS) & aperture.notna()
-        no_range = "the hydraulic aperture has no range, as one of its simulations has only bounds,"
+        no_range = (
+            "the range of the hydraulic aperture is left empty, as at least one simulation of the "
+            "range gives only bounds there,"
+        )
         cases[no_range] = unknown
     remarks = []
     for what, here in cases.items():

@@ -318,6 +318,9 @@ def unusual_options(arguments: argparse.Namespace) -> list[str]:
             except InputError:
                 low, high = (in_unit(end, unit) for end in USUAL[name][:2])
                 number = in_unit(value, unit)
+                if value < 0.0:
+                    problems.append(f"{names_of(name)[0]} {number:g}: must be positive")
+                    continue
                 problems.append(
                     f"{names_of(name)[0]} {number:g}: not usual of rock ({low:g} to {high:g} "
                     f"{unit}); {unit_meant(number, low, high, unit)} --unusual-values takes it as "

@@ -17,6 +17,7 @@ from jointclosure.inputs.remarks import caution, cautions, noted
 from jointclosure.statistics.number_texts import grid_text
 from jointclosure.walls.gridding import point_distance, wall_on_grid
 from jointclosure.walls.interpolation_remarks import interpolation_remarks
+from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.missing_heights import LARGEST_FILLED_SHARE, MISSING, fill_missing
 from jointclosure.walls.plausibility import unit_doubts
@@ -28,6 +29,11 @@ from jointclosure.walls.scans import read_scan
 from jointclosure.walls.spikes import remove_spikes
 from jointclosure.walls.wall_roughness import Measure, measure_wall
 
+_WHICH_JRC = (
+    f"Of the relations for JRC, that of {RELATIONS[DEFAULT_RELATION].title} is the default of "
+    "close and of generated walls, because its interval is the spacing of the walls of the paper. "
+    "Quote a JRC together with its relation, as the others give other values."
+)
 _MISSING = "cells without a height: an error (refuse), left out (avoid, the default), or filled"
 
 
@@ -147,10 +153,16 @@ def _show(
 
 def _text(measures: list[Measure], title: str, size: str) -> str:
     """Return the measures of a wall or a profile as text: title, size, and a line for each."""
-    lines = [title, size, "", f"{'':32s} {'value':>9s}   {'95 % interval':20s}"]
+    names = {f"JRC, {name}": f"JRC, {one.title}" for name, one in RELATIONS.items()}
+    names["JRC, stigsson_mas_ivars"] = "JRC, Stigsson & Mas Ivars 2019, with H"
+    lines = [title, size, "", f"{'':46s} {'value':>9s}   {'95 % interval':20s}"]
     for m in measures:
         unit = "" if m.unit == "1" else m.unit
         interval = f"{m.low:.4g} to {m.high:.4g}"
         remark = f"  ({m.remark})" if m.remark else ""
-        lines.append(f"{m.name:32s} {m.value:9.4g}   {interval:20s} {unit}{remark}".rstrip())
+        name = names.get(m.name, m.name)
+        line = f"{name:46s} {m.value:9.4g}   {interval:20s} {unit}{remark}"
+        lines.append(line.rstrip())
+    if any(m.name == f"JRC, {DEFAULT_RELATION}" for m in measures):
+        lines += ["", _WHICH_JRC]
     return "\n".join(lines)

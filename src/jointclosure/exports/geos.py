@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.ensembles.quantities import CURVES
+from jointclosure.exports.hyperbola import STIFFNESS_DIFFERENCE
 from jointclosure.exports.loading import (
     BAND_LIMITS,
     CHOICES,
@@ -16,7 +17,9 @@ from jointclosure.exports.loading import (
     suffix_legend,
 )
 from jointclosure.inputs import InputError, naming
+from jointclosure.inputs.remarks import caution
 from jointclosure.joint.history import history_of
+from jointclosure.joint.status import FLOW_STATUSES
 from jointclosure.statistics.number_texts import percent
 from jointclosure.uncertainty.ranges import RANGE_FLOW_STATUS
 
@@ -70,14 +73,15 @@ def geos_files(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) -> Expor
             apertures[name] = np.minimum.accumulate(aperture)
             titles[name] = CURVES[column][0].removesuffix(" (mm)") + BAND_LIMITS[suffix].title
             continue
-        first = rows.normal_stress_MPa.iloc[int(np.argmax(missing))]
-        reason = f"the {CURVES[column][0].removesuffix(' (mm)')} must be known and positive, and "
-        reason += f"is not at {first:.3g} MPa"
-        if history_of(joint).has_flow:
-            name_of_status = RANGE_FLOW_STATUS if suffix else "flow_status"
-            status = curves[name_of_status][rows.index[int(np.argmax(missing))]]
-            reason += f" ({name_of_status}: {status})"
-        reasons[name] = reason
+        what = CURVES[column][0].removesuffix(" (mm)") + BAND_LIMITS[suffix].title
+        place = rows.index[int(np.argmax(missing))]
+        stress, value = rows.normal_stress_MPa[place], rows[column][place]
+        reason = f"the {what}, is" if BAND_LIMITS[suffix].title else f"the {what} is"
+        reason += f" {'not known' if np.isnan(value) else '0'} at {stress:.3g} MPa"
+        name_of_status = RANGE_FLOW_STATUS if suffix else "flow_status"
+        if name_of_status in curves and curves[name_of_status][place] != FLOW_STATUSES[0]:
+            reason += f" ({name_of_status}: {curves[name_of_status][place]})"
+        reasons[name] = f"{reason}, and GEOS needs a positive one at every stress"
     if not apertures:
         raise InputError(f"GEOS: {next(iter(reasons.values()))}")
     remarks = [f"not written: {name}: {reason}" for name, reason in reasons.items()]
@@ -148,6 +152,9 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
     if of_choices := [error for suffix, error in errors.items() if suffix.endswith(CHOICES)]:
         largest = _error_text(*map(max, *of_choices, (0, 0)))
         remark += f"; with other choices of the model it is {largest}"
+    if max(share for _, share in errors.values()) > STIFFNESS_DIFFERENCE:
+        tables = "the tables of geos.xml have the apertures themselves"
+        remark = caution(f"{remark}; this law does not describe the joint: {tables}")
     remarks.insert(0, remark)
     body = ["<Constitutive>", *lines, "</Constitutive>"]
     return Exported({"geos_barton_bandis.xml": "\n".join(body) + "\n"}, remarks)

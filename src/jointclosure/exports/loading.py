@@ -14,6 +14,7 @@ from jointclosure.joint.history import history_of
 from jointclosure.joint.result_tables import columns_of, has_bands, wider_columns_of
 from jointclosure.joint.status import LOADING
 from jointclosure.uncertainty.published_joints import beyond_measured, measured_range
+from jointclosure.uncertainty.ranges import MEANT
 
 _EXPORTED = "constants for other programs (barton_bandis.dat, porepy*.json) and tables for GEOS"
 
@@ -150,10 +151,7 @@ def suffix_legend(curves: pd.DataFrame, low: str, high: str, choices: str) -> li
     """
     lines: list[str] = []
     if has_bands(curves):
-        lines.append(
-            f"{low} and {high} are of the ends of the range of 9 in 10 joints that have these "
-            "scans and the stated properties"
-        )
+        lines.append(f"{low} and {high} are of the ends of the range, which is {MEANT}")
     if wider_columns_of(curves, "closure_net_since_seating_mm"):
         lines.append(
             f"{low}{choices} and {high}{choices} are of the ends of the range with other choices "

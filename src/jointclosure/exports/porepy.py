@@ -15,10 +15,11 @@ def porepy_files(
     """Return PorePy's Barton-Bandis constants [Pa/m, m, m] of the loading of a cycle.
 
     There is a file for the joint and for each limit of its band of closure that has a hyperbola.
-    ``fitted`` are the hyperbolas of the loading, which are computed if they are not given. The
-    residual aperture is the mean aperture at seating less Vm, at least 0; for a joint with flow a
-    remark has the ratio of the hydraulic to the mean aperture at the largest stress. Raise
-    `InputError` if no hyperbola can be fitted to the joint.
+    ``fitted`` are the hyperbolas of the loading, which are computed if they are not given, and
+    which begin at the ``seating_stress`` [Pa] beside them. The residual aperture is the mean
+    aperture at seating less Vm, at least 0; for a joint with flow a remark has the ratio of the
+    hydraulic to the mean aperture at the largest stress. Raise `InputError` if no hyperbola can be
+    fitted to the joint.
     """
     fitted = fitted or fitted_loading(joint, curves, cycle)
     hyperbolas = fitted.required_by("PorePy")
@@ -32,11 +33,13 @@ def porepy_files(
             "PorePy: residual_aperture is of the mean aperture; the hydraulic aperture is "
             f"{text} at {top.normal_stress_MPa:g} MPa"
         )
+    seating = float(history_of(joint).seating_stress)
     constants = {
         f"porepy{suffix}.json": {
             "fracture_normal_stiffness": law.stiffness,
             "maximum_elastic_fracture_opening": law.largest_closure,
             "residual_aperture": max(law.aperture - law.largest_closure, 0.0),
+            "seating_stress": seating,
         }
         for suffix, law in hyperbolas.items()
     }

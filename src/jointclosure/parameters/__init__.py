@@ -307,6 +307,8 @@ def check_usual(rocks: tuple[Rock, ...], **values: Any) -> None:
                 continue
             check_number(name, value)
             low, high, unit = USUAL[name]
+            if value < 0.0:  # no question of the unit, and never accepted
+                raise InputError(f"{name} = {value!r} {unit}: must be positive")
             if not (low <= value <= high or value == 0.0 or np.isinf(value)):
                 stated = OF_ROCK[name].unit if name in OF_ROCK else unit
                 number = in_unit(value, stated)

@@ -28,20 +28,24 @@ from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styl
 from jointclosure.uncertainty.budget import Budget
 from jointclosure.uncertainty.numerical_error import limits_of_error
 from jointclosure.uncertainty.ranged_results import CLOSURE_GROSS, CLOSURE_NET
-from jointclosure.uncertainty.ranges import NUMBERS, WIDER
+from jointclosure.uncertainty.ranges import MEANT, NUMBERS, WIDER
 from jointclosure.uncertainty.sources import ALL, TITLES
 
 DECADES = 9  # of transmissivity that are drawn at most
 SAME = 0.01  # difference of two branches over their largest value, below which they are one line
 _SAME_TEXT = " (same as loading)"
 _BOUND = "upper bound of the transmissivity"
+_FLOW = "transmissivity_m2_per_s"
+_BANDS_END = (
+    "bands of transmissivity are left out at stresses at which some joints of the range are blocked"
+)
 _OF_CYCLES = ["Barton-Bandis", _BOUND]
 """Curves that have the colours of their cycles, and one entry of a neutral colour in a legend."""
 _SEEN = ["normal_stiffness_net_MPa_per_mm", "mean_aperture_mm"]
 """Columns whose branches are compared."""
 _CHOICES = "with other choices of the model"
 """End of the names of wider bands."""
-_KINDS = (*BRANCH_LINES, "9 in 10 joints", _CHOICES)
+_KINDS = (*BRANCH_LINES, "range", _CHOICES)
 """Curves and bands of a cycle, in the order of a column of the legend."""
 LOGARITHMIC = 3.0
 """Ratio of the largest to the smallest result of a figure from which its axis is logarithmic."""
@@ -100,7 +104,9 @@ def range_figure(budget: Budget, title: str) -> Figure:
         for place, name in enumerate(shares.index):
             values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
             axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
-            label = None if place else "one source alone at an end of its range, or drawn at random"
+            label = (
+                None if place else "one source alone at an end of its range, or with random inputs"
+            )
             axes.plot(values, [place] * values.size, "o", color="C0", label=label)
         drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
         limit = limits.get((cycle, CLOSURE_NET))
@@ -109,7 +115,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
             place = shares.index.get_loc("breakage")
             label = "limit of the numerical error, which the range contains"
             axes.plot(ends, [place] * 2, "|-", color="C0", lw=1, ms=8, label=label)
-        label = "range of 9 in 10"
+        label = f"range, {MEANT}"
         axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3, label=label)
         if budget.choices:
             label = "with other choices of the model"
@@ -122,7 +128,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
             f"{TITLES[name]} ({budget.share_text(cycle, CLOSURE_NET, name)})"
             for name in shares.index
         ]
-        axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
+        axes.set_yticks(range(len(shares) + 1), [*labels, "all together"])
         xlabel = f"net closure since seating, cycle {cycle} (mm)"
         shown = np.concatenate([np.ravel(line.get_xdata()) for line in axes.lines[:-1]])
         if 0.0 < LOGARITHMIC * shown.min() < shown.max():
@@ -230,7 +236,7 @@ def _draw_along(axes: Axes, curves: pd.DataFrame, name: str, across: bool = Fals
                 ]
                 thin = LineCollection(edges, colors=colour, linewidths=0.6, zorder=0.6)
                 axes.add_collection(thin, autolim=False)
-            band = f"cycle {cycle}, 9 in 10 joints"
+            band = f"cycle {cycle}, range"
             fill(stress, low, high, color=colour, alpha=0.4, lw=0.0, label=band)
         at = (rows[name], stress) if across else (stress, rows[name])
         line = {"color": colour, "label": label, "zorder": order, "lw": width}
@@ -297,9 +303,30 @@ def _about_bands(curves: pd.DataFrame) -> str:
     """Return the title of a legend that says what the bands contain; empty without bands."""
     if not has_bands(curves):
         return ""
-    about = "dark bands: 9 in 10 joints compatible with the scans and the stated properties"
-    wider = bool(wider_columns_of(curves, "mean_aperture_mm"))
-    return about + (f"\npale bands: the same {_CHOICES}" if wider else "")
+    about = f"dark bands: ranges, which are {MEANT}"
+    if wider_columns_of(curves, "mean_aperture_mm"):
+        about += f"\npale bands: the same {_CHOICES}"
+    loading = curves[curves.branch == LOADING].dropna(subset="closure_net_since_seating_mm")
+    if not all((loading[low] > 0.0).all() for low, _ in _bands_of_flow(curves)):
+        about += f"\n{_BANDS_END}"
+    return about
+
+
+def _bands_of_flow(curves: pd.DataFrame) -> list[list[str]]:
+    """Return the columns of both ends of each band of transmissivity; none without bands."""
+    bands = columns_of(curves, _FLOW)[1:], wider_columns_of(curves, _FLOW)
+    return [ends for ends in bands if ends]
+
+
+def _open_bands(curves: pd.DataFrame) -> pd.DataFrame:
+    """Return curves with bands of transmissivity only where their low ends are above 0.
+
+    A lower end of 0, of a joint whose flow is blocked, has no place on a logarithmic axis.
+    """
+    above = {_FLOW: curves[_FLOW].where(curves[_FLOW] > 0.0)}
+    for low, high in _bands_of_flow(curves):
+        above |= {end: curves[end].where(curves[low] > 0.0) for end in (low, high)}
+    return curves.assign(**above)
 
 
 def _legend_of_cycles(figure: Figure, named: Mapping[str, Artist], cycles: int, title: str) -> None:
@@ -367,24 +394,23 @@ def _draw_closure(
 def _draw_flow(axes, curves: pd.DataFrame) -> None:
     """Draw the transmissivity over stress where it is known and above 0, and its upper bound.
 
-    The bound is dotted. The axis is logarithmic, with at most `DECADES` below the largest value;
+    The bound is dotted. Bands end where joints of the range are blocked (`_open_bands`). The axis
+    is logarithmic, with the limits of what is drawn, and at most `DECADES` below the largest value;
     if no transmissivity is above 0, it is left as it is.
     """
-    name = "transmissivity_m2_per_s"
-    bands = [*columns_of(curves, name)[2:], *wider_columns_of(curves, name)[1:]]
-    lines = [name, *bands]  # a band may end at 0, and a line may not
-    _draw_along(axes, curves.assign(**curves[lines].where(curves[lines] > 0.0)), name)
-    axes.set(ylabel=CURVES[name][0].replace("m2", "m²"))
+    shown = _open_bands(curves)
+    _draw_along(axes, shown, _FLOW)
+    axes.set(ylabel=CURVES[_FLOW][0].replace("m2", "m²"))
     for cycle, rows in curves[curves.branch == LOADING].groupby("cycle"):
         bound = WATER * (1e-3 * rows[columns_of(curves, "largest_hydraulic_mm")[-1]]) ** 3
         label = _BOUND if cycle == 1 else None
         axes.plot(rows.normal_stress_MPa, bound, ":", color=f"C{cycle - 1}", label=label)
     axes.set(title="transmissivity")
-    if not (curves[name] > 0.0).any():
+    if not (curves[_FLOW] > 0.0).any():
         return
     drawn = np.concatenate([np.ravel(line.get_ydata()) for line in axes.lines])
     if has_bands(curves):
-        ends = curves.loc[curves.branch == LOADING, columns_of(curves, name)]
+        ends = shown.loc[shown.branch == LOADING, columns_of(curves, _FLOW)]
         drawn = np.append(drawn, ends.to_numpy())
     drawn = drawn[drawn > 0.0]
     least = max(drawn.min(), 10.0**-DECADES * drawn.max())

@@ -65,6 +65,11 @@ MEASURED = (
     *measured_range("later_residual_share"),
 )
 """Sentence that compares the model with three measured granodiorite joints."""
+AT_EDGE = (
+    "* all results of random inputs are smaller, or all are larger, than the value before the "
+    "bracket: quote the range, and not this value"
+)
+"""Note below a table of results with asterisks."""
 OUTLYING = 0.15  # share of random joints beyond the joint's value, below which it is at their edge
 NOT_MODELLED = "not modelled"  # of a result that is 0 in all variants: the model cannot give it
 FURTHER = 10_000  # further joints with random values whose results are estimated for the range
@@ -130,7 +135,7 @@ class Budget(NamedTuple):
 
         If choices of the model were changed, the title and the table of the wider ranges follow.
         """
-        lines = [self.table().to_string()]
+        lines = [self.table().to_string(), *self.notes()]
         if self.choices:
             lines += [self.wider_title(), self.wider_table().to_string()]
         return lines
@@ -291,8 +296,7 @@ class Budget(NamedTuple):
         This is so if more than 85 % of the joints with random inputs lie on one side of it. The
         sentence is a caution if all do.
         """
-        of_all = self.results.source == ALL
-        drawn = self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
+        drawn = self._drawn(cycle, quantity)
         best = self.ranges.loc[(cycle, quantity), "best"]
         below = (drawn < best).mean() if len(drawn) else 0.5
         share = max(below, 1.0 - below)
@@ -332,8 +336,32 @@ class Budget(NamedTuple):
         ]
 
     def table(self) -> pd.DataFrame:
-        """Return the results with ranges as text: a row for each quantity, a column per cycle."""
-        return table_of(self.ranges.index.unique("cycle"), self.text)
+        """Return the results with ranges as text: a row for each quantity, a column per cycle.
+
+        Results at the edge of those with random inputs have an asterisk (`AT_EDGE`).
+        """
+
+        def marked(cycle: int, quantity: str) -> str:
+            mark = " *" if self.at_edge(cycle, quantity) else ""
+            return f"{self.text(cycle, quantity)}{mark}"
+
+        return table_of(self.ranges.index.unique("cycle"), marked)
+
+    def notes(self) -> list[str]:
+        """Return the lines that explain marks of `table`, none if it has none."""
+        return [AT_EDGE] if any(self.at_edge(*place) for place in self.ranges.index) else []
+
+    def at_edge(self, cycle: int, quantity: str) -> bool:
+        """Return whether all results of random inputs lie on one side of that of the joint."""
+        drawn = self._drawn(cycle, quantity)
+        best = self.ranges.loc[(cycle, quantity), "best"]
+        aside = (drawn < best).all() or (drawn > best).all()
+        return bool(len(drawn) and aside and self.modelled(cycle, quantity))
+
+    def _drawn(self, cycle: int, quantity: str) -> pd.Series:
+        """Return the known results of joints with random values of all sources."""
+        of_all = self.results.source == ALL
+        return self.results.loc[of_all & (self.results.cycle == cycle), quantity].dropna()
 
     def text(self, cycle: int, quantity: str) -> str:
         """Format a result of the joint and its range with equal decimals: "0.18 (0.13 to 0.24)".

@@ -59,6 +59,8 @@ WIDENED_OTHERS = 1.25
 stiffnesses and Vm of the first cycle were in their ranges (43 pairs, seeds 3000 to 3053), and 83 %
 of the results of second cycles (34 pairs, seeds 2000 to 2042)."""
 _SAME = 1e-6  # relative difference of two numbers that are one result
+MEANT = "meant to contain the true result of nine in ten joints"
+"""What ranges are, in the words of screens, files and figures."""
 RANGE_FLOW_STATUS = "range_flow_status"
 """Column of `Budget.curves` with the flow status of the variant whose flow is known least."""
 NUMBERS = ["best", *ENDS, *WIDER]

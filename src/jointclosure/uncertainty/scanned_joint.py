@@ -42,7 +42,7 @@ from jointclosure.uncertainty.expected_cost import expected_cost, rough_time, se
 from jointclosure.uncertainty.ranged_results import CLOSURE_GROSS, CLOSURE_NET
 from jointclosure.uncertainty.sources import check_ranges
 from jointclosure.uncertainty.tested_domain import beyond_tested
-from jointclosure.uncertainty.uncertain_joint import UncertainJoint, uncertain_joint
+from jointclosure.uncertainty.uncertain_joint import UncertainJoint, threads_for, uncertain_joint
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.registration_summary import summary_of
 from jointclosure.walls.scan_errors import ScanErrors
@@ -94,8 +94,8 @@ class ClosedJoint(NamedTuple):
         net, gross = (self._closures_text(column, table) for column in (CLOSURE_NET, CLOSURE_GROSS))
         outcome = ", failed" if failed(self.history) else ""
         return (
-            f"<ClosedJoint: {self.description}, closes {net} mm net ({gross} mm gross) since "
-            f"{seating:g} MPa ({self.conditions.load.description()}){outcome}>"
+            f"<ClosedJoint: {self.description}, closes {net} mm net and {gross} mm gross since "
+            f"{seating:g} MPa; load: {self.conditions.load.description()}{outcome}>"
         )
 
     def __str__(self) -> str:
@@ -234,7 +234,7 @@ def close(
     )
     checked = on_grid(checked, pair.spacing)
     remark = _Remarks(progress, checked.unusual_values)
-    remark(summary_of(pair), pair.warnings, heading="Registration")
+    remark(summary_of(pair, not single), pair.warnings, heading="Registration")
     uncertain = _joint_and_variants(pair, checked, ranges, single)
     if progress:
         print(f"Joint: {_description(pair, checked, name)}: {checked.load.description()}")
@@ -256,7 +256,7 @@ def close(
     budget = None
     stopped = list[str]()
     if not single and not failed(history):  # a failed joint has no range
-        remark(_about_time_of_range(uncertain, seconds) if progress else [])
+        remark(_about_time_of_range(uncertain, seconds, workers) if progress else [])
         budget = _budget_or_none(uncertain, history, at, workers, progress)
         stopped = [] if budget else [_STOPPED]
         remark(stopped)
@@ -392,17 +392,22 @@ def _about_cost(joint: UncertainJoint, workers: int | None) -> list[str]:
     return [cost.sentence(joint.upper.shape, joint.conditions.grid_spacing)] if cost else []
 
 
-def _about_time_of_range(joint: UncertainJoint, seconds: float) -> list[str]:
+def _about_time_of_range(
+    joint: UncertainJoint, seconds: float, workers: int | None = None
+) -> list[str]:
     """Return a sentence on the time of the range of a joint; none if it is at most `ANNOUNCED`.
 
-    It is estimated from the processor time ``seconds`` that the joint itself took.
+    It is estimated from the processor time ``seconds`` that the joint itself took. The time on the
+    clock is that with ``workers``, as far as no other program uses the processors.
     """
     of_range = seconds_of_range(joint, seconds)
     if of_range <= ANNOUNCED:
         return []
+    at_once = min(threads_for(joint.cells, workers), len(joint.variants))
     return [
         f"the range takes {len(joint.variants)} further simulations, together about "
-        f"{rough_time(of_range)} of processor time"
+        f"{rough_time(of_range)} of processor time; with {at_once} at the same time they take "
+        f"about {rough_time(of_range / at_once)}, or longer if other programs run"
     ]
 
 

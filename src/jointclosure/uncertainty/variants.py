@@ -157,6 +157,10 @@ def random_positions(names: Iterable[str], draws: int, seed: int) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
+_PEAKS = {"pristine": "before loading", "current": "as the walls break"}
+"""Which soft peaks are meant by the values of this choice of the model."""
+
+
 def value_text(name: str, value: Any) -> str:
     """Describe the value of a source ``name``, such as "every 2. cell", "draw 1" or "11 (GPa)"."""
     if name == "spacing":
@@ -164,10 +168,12 @@ def value_text(name: str, value: Any) -> str:
             return f"a spacing {1 / value:.0f} times as fine"
         return f"every {value}. cell" if value > 1 else "every cell"
     if name in ("registration", "noise", "resolution", "scale", "holes"):
-        return f"draw {value}"
+        return f"random values {value}"
     if name == "breakage":
         resolved = value.breakage == "resolved"
         return f"tolerance {value.tolerance:.3g}" if resolved else "fixed steps"
+    if name == "peaks":
+        return _PEAKS[value]
     if name in OF_ROCK:
         return f"{value / OF_ROCK[name].size:.4g}{OF_ROCK[name].in_brackets}"
     return value if isinstance(value, str) else f"{value:.3g}"

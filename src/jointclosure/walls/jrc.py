@@ -11,7 +11,8 @@ class Relation(NamedTuple):
     """Published relation of JRC and RMS slope Z2, which is measured at an ``interval`` [m].
 
     By its ``form`` JRC is a Z2 + b (linear), a log10 Z2 + b (logarithmic) or a Z2^c + b (power). It
-    holds from ``smallest_jrc`` to ``largest_jrc``.
+    holds from ``smallest_jrc`` to ``largest_jrc``. Its
+    ``source`` names authors and year for reading.
     """
 
     form: str
@@ -21,6 +22,12 @@ class Relation(NamedTuple):
     c: float = 1.0
     smallest_jrc: float = 0.0
     largest_jrc: float = 20.0
+    source: str = ""
+
+    @property
+    def title(self) -> str:
+        """Source, form and interval in words: "Yang et al. 2001, logarithmic, 0.5 mm"."""
+        return f"{self.source}, {self.form}, {1e3 * self.interval:g} mm"
 
     def jrc(self, z2: float | np.ndarray) -> Any:
         """Return the JRC for RMS slopes at the relation's interval, also beyond its range."""
@@ -28,18 +35,20 @@ class Relation(NamedTuple):
         return self.a * reduced + self.b
 
 
+_YU = "Yu & Vayssade 1991"
+_TATONE = "Tatone & Grasselli 2010"
 RELATIONS = {
-    "yu_vayssade_linear_0.25mm": Relation("linear", 60.32, -4.51, 0.25e-3),  # Yu & Vayssade 1991
-    "yu_vayssade_log_0.25mm": Relation("logarithmic", 28.1, 28.43, 0.25e-3),  # Yu & Vayssade 1991
-    "yu_vayssade_linear_0.5mm": Relation("linear", 61.79, -3.47, 0.5e-3),  # 1991, by later texts
-    "yu_vayssade_linear_1mm": Relation("linear", 64.22, -2.31, 1e-3),  # 1991, no source was seen
-    "tse_cruden": Relation("logarithmic", 32.47, 32.2, 0.5e-3),  # 1979, at about 0.5 mm
-    "yang": Relation("logarithmic", 32.98, 32.69, 0.5e-3),  # Yang et al. 2001
-    "tatone_grasselli_0.5mm": Relation("power", 51.85, -10.37, 0.5e-3, 0.60),  # 2010
-    "tatone_grasselli_1mm": Relation("power", 55.03, -6.10, 1e-3, 0.74),  # 2010
-    "jang": Relation("power", 51.16, -11.44, 0.5e-3, 0.531),  # Jang et al. 2014
+    "yu_vayssade_linear_0.25mm": Relation("linear", 60.32, -4.51, 0.25e-3, source=_YU),
+    "yu_vayssade_log_0.25mm": Relation("logarithmic", 28.1, 28.43, 0.25e-3, source=_YU),
+    "yu_vayssade_linear_0.5mm": Relation("linear", 61.79, -3.47, 0.5e-3, source=_YU),  # later texts
+    "yu_vayssade_linear_1mm": Relation("linear", 64.22, -2.31, 1e-3, source=_YU),  # source not seen
+    "tse_cruden": Relation("logarithmic", 32.47, 32.2, 0.5e-3, source="Tse & Cruden 1979"),
+    "yang": Relation("logarithmic", 32.98, 32.69, 0.5e-3, source="Yang et al. 2001"),
+    "tatone_grasselli_0.5mm": Relation("power", 51.85, -10.37, 0.5e-3, 0.60, source=_TATONE),
+    "tatone_grasselli_1mm": Relation("power", 55.03, -6.10, 1e-3, 0.74, source=_TATONE),
+    "jang": Relation("power", 51.16, -11.44, 0.5e-3, 0.531, source="Jang et al. 2014"),
 }
-"""Relations of JRC and Z2 of the literature, each beside its source."""
+"""Relations of JRC and Z2 of the literature. That of Tse & Cruden is at about 0.5 mm."""
 DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"  # at the spacing of the paper's walls
 
 

@@ -6,14 +6,15 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls import plausibility
 from jointclosure.walls.interpolation_remarks import interpolation_caution
-from jointclosure.walls.joint_grid import JointGrid
+from jointclosure.walls.joint_grid import JointGrid, joint_grid
 from jointclosure.walls.pair_remarks import (
+    best_fit_remarks,
     coarser_grid_caution,
     scale_caution,
     wall_remarks,
     width_remarks,
 )
-from jointclosure.walls.position_search import Position
+from jointclosure.walls.position_search import Position, at_best_fit
 from jointclosure.walls.prepared_scans import PreparedScans, SampledScans, with_side
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.registration_options import RegistrationOptions
@@ -50,6 +51,7 @@ def checked_pair(
         *width_remarks(pair),
         *_scan_remarks(grid, prepared),
         *wall_remarks(pair, grid.overlap, position.in_frame),
+        *_apart_remarks(pair, prepared, sampled, options),
         *scale_remarks,
         *map(caution, units.contradictions + units.unlike_rock),
     ]
@@ -81,6 +83,27 @@ def _scan_remarks(grid: JointGrid, prepared: PreparedScans) -> list[str]:
     if grid.step > 1:
         remarks.append(coarser_grid_caution(grid.finest_spacing, grid.step))
     return remarks
+
+
+def _apart_remarks(
+    pair: RegisteredPair,
+    prepared: PreparedScans,
+    sampled: SampledScans,
+    options: RegistrationOptions,
+) -> list[str]:
+    """Return a warning if walls that stay as scanned fit clearly better at the best fit.
+
+    None if the position is not stated, or if the walls have no best fit or do not overlap there.
+    """
+    mated = pair.mated
+    if options.shift != "scanned" or mated is None or not np.isfinite(mated.covariance).all():
+        return []
+    share = options.largest_filled_share
+    try:
+        best = joint_grid(at_best_fit(mated), prepared, sampled, share, resolved=False)
+    except InputError:  # the walls do not overlap there
+        return []
+    return best_fit_remarks(pair, best.finest)
 
 
 def _clear_scale(pair: RegisteredPair) -> tuple[float, list[str]]:

@@ -16,6 +16,8 @@ STEEP_WEDGE = 1.0  # inclination [degrees] of the walls to each other above whic
 _FAR = 1.5
 """Closure until one cell in a thousand touches, in standard deviations of the aperture, above which
 users are warned that the first contact may be a spike."""
+_WORSE, _LOWER = 2.0, 0.02
+"""Limits of `best_fit_remarks`; chosen."""
 _ALIKE = 0.99  # correlation above which walls that mate at all wavelengths may be one wall
 
 
@@ -53,6 +55,28 @@ def wall_remarks(pair: RegisteredPair, overlap: Overlap, in_frame: bool) -> list
     return [*remarks, _frame_remark(overlap)] if in_frame else remarks
 
 
+def best_fit_remarks(pair: RegisteredPair, best: Overlap) -> list[str]:
+    """Warn of walls in their scanned position that fit clearly better in that of best fit.
+
+    ``best`` is their overlap there. They do if what their heights do not share (1 less the
+    correlation) is more than `_WORSE` times as much, and the correlation is lower by `_LOWER`.
+    """
+    upper, lower = best.parallel_walls
+    of_best = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
+    here = pair.correlation
+    if pair.mated is None or of_best - here < _LOWER or 1.0 - here < _WORSE * (1.0 - of_best):
+        return []
+    _, x, y = 1e3 * pair.motion.difference_to(pair.mated)
+    return [
+        caution(
+            f"heights of the walls correlate by {here:.2g} in their scanned position, and by "
+            f"{of_best:.2g} at the best fit, which lies ({x:.3g}, {y:.3g}) mm from it along "
+            "(x, y): closures are those of walls that are shifted by this distance; leave "
+            "--shift scanned out if the scans were meant to mate"
+        )
+    ]
+
+
 def width_remarks(pair: RegisteredPair) -> list[str]:
     """Return a remark that the standard errors of the position were enlarged; none if not.
 
@@ -79,8 +103,8 @@ def _first_touch_remarks(aperture: np.ndarray, y: int, x: int) -> list[str]:
     early = float(np.quantile(aperture, 1e-3))
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
     exact = (
-        "this and the next length are exact for the walls as registered, and the range of the "
-        "results has other positions of them"
+        "this length and the closure until one cell in a thousand touches are those of the walls "
+        "as registered; joints of the range are at other positions, where both lengths differ"
     )
     spike = (
         "the first contact stands out far and may be a remaining spike; use closures since "

@@ -1,5 +1,6 @@
 """Search for the orientation of the upper wall and for its position on the lower one."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -220,10 +221,10 @@ def _position_of(
 ) -> Position:
     """Return where the upper wall is laid: as it was scanned, or in the position of best fit.
 
-    The upper wall is not lifted by the motion of best fit, as walls are set to first touch later.
-    Its nodes are laid on nodes of the lower wall if they move by less than `ON_NODES` or twice the
-    error of the fit. Raise `InputError` if walls in their scanned position are rotated against each
-    other, unless values may be unusual.
+    The upper wall is not lifted by the motion of best fit (`at_best_fit`). Its nodes are laid on
+    nodes of the lower wall if they move by less than `ON_NODES` or twice the error of the fit.
+    Raise `InputError` if walls in their scanned position are rotated against each other, unless
+    values may be unusual.
     """
     spacing = prepared.spacing
     scanned = flip_about_middle(sampled.upper_points, FLIPS[fit.orientation])
@@ -237,16 +238,40 @@ def _position_of(
     in_frame = fit.orientation == "common_frame" and (in_place or options.shift == "scanned")
     if options.shift == "scanned" or mated is None:
         remarks = ["the walls were left in their scanned position"]
+        if options.shift == "scanned" and prepared.lower.levelling is not None:
+            remarks.append(_levelling_remark(prepared.lower.levelling))
         if mated is not None and np.isfinite(mated.covariance).all():
             remarks += _rotation_remarks(mated, reach, spacing, options.unusual_values)
         return Position(scanned, in_frame, fit, fit.remarks + remarks)
-    motion = mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
+    motion = at_best_fit(mated)
     if isinstance(prepared.upper.scan, Scan):
         most = min(max(ON_NODES * spacing, 2.0 * mated.corner_error(reach)), 0.5 * spacing)
         corner = sampled.lower_points[:, :2].min(axis=0)
         motion = laid_on_nodes(motion, prepared.upper.scan, corner, most)
     moved = f"the upper wall was {mated}, to the position of best fit"
     return Position(motion, in_frame, fit, [*fit.remarks, moved])
+
+
+LEVELLED = "the joint is inclined by "
+"""Beginning of the remark on inclined scans whose position is kept."""
+
+
+def _levelling_remark(levelling: Motion) -> str:
+    """Say that walls in a scanned position close along the normal of the joint, and not along z.
+
+    ``levelling`` turned the scans until they were level.
+    """
+    shift = math.sin(math.radians(levelling.tilt))
+    return (
+        f"{LEVELLED}{levelling.tilt:.2g} degrees in the scans: they were turned "
+        "until it is level, and the walls close along its normal. Each mm that the scans lie "
+        f"apart along their z axis becomes {shift:.2g} mm of shift along the joint"
+    )
+
+
+def at_best_fit(mated: Motion) -> Motion:
+    """Return the motion of best fit without its lift, as walls are set to first touch later."""
+    return mated._replace(place=np.append(mated.place[:2], mated.middle[2]))
 
 
 def _rotation_remarks(mated: Motion, reach: np.ndarray, spacing: float, unusual: bool) -> list[str]:

@@ -90,8 +90,8 @@ def quality_remarks(quality: ScanQuality, wall: np.ndarray, spacing: float) -> l
     if quality.scattered:
         noise = quality.noise[1]
         about = (
-            f"heights of points close to each other differ by noise of {1e6 * noise:.2g} um, or by "
-            "passes of the scanner that lie apart"
+            f"heights of points close to each other scatter by up to {1e6 * noise:.2g} um rms, by "
+            "noise, by passes of the scanner that lie apart, or by steep slopes"
         )
         errors.append((about, 2.0 * noise**2))
         if rounding.places > 0.1 * quality.point_distance:
@@ -141,7 +141,13 @@ def _error_caution(about: str, square: float, excess: float, spacing: float) -> 
     ``square`` are mean squared differences of neighbours [m^2], ``excess`` the part by the error.
     """
     relation = RELATIONS[DEFAULT_RELATION]
-    slopes = [math.sqrt(max(part, 0.0)) / spacing for part in (square, square - excess)]
+    if excess >= square:
+        return caution(
+            f"{about}: as much as neighbours at {1e3 * spacing:.4g} mm differ by roughness and "
+            "noise together, so that noise and slopes cannot be separated here; the range uses "
+            "this estimate only if the spectra of both walls show no noise"
+        )
+    slopes = [math.sqrt(part) / spacing for part in (square, square - excess)]
     jrcs = [relation.jrc(slope) for slope in slopes]
     return caution(
         f"{about}: this raises the rms slope at {1e3 * spacing:.4g} mm from {slopes[1]:.3g} to "

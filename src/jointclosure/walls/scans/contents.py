@@ -185,7 +185,10 @@ def settled(
             problem += f" in words that are understood ({'; '.join(map(repr, unread))})"
         raise InputError(f"{problem}: {must}")
     if stated is not None and size_of(units) != size_of(stated):
-        raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
+        raise InputError(
+            f"units = {stated!r}: the {what} of the file are in {of_file!r}; "
+            f"leave the units out, or give {of_file}"
+        )
     return units
 
 

@@ -144,7 +144,7 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     if variable is None and not names and width != 3:
         raise InputError(
             f"{width} columns that are not named x, y and z: must be three in this order, {must}; "
-            f"a matrix of heights has at least {LEAST_COLUMNS}"
+            f"if it is a grid of heights, it must have at least {LEAST_COLUMNS} columns"
         )
     known = {axis_name(name): place for place, name in reversed([*enumerate(names)])}
     if variable is not None:
@@ -159,7 +159,9 @@ def _columns(table: Table, variable: str | None) -> list[int]:
         return columns
     listed = ", ".join(names) or f"numbers from 1 to {width}"
     if variable is None:
-        raise InputError(f"columns {listed}: must be named x, y and z, {must}")
+        missing = [word for word, place in zip(asked, places, strict=True) if place is None]
+        lack = f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing"
+        raise InputError(f"columns {listed}: {lack}; must be named x, y and z, {must}")
     must = "must be three columns for x, y and z, as in 1,2,3"
     raise InputError(f"variable = {variable!r}: {must}; there are {listed}")
 
@@ -312,7 +314,10 @@ def _find_names(
         elif words:
             others.append(line)
             of_other_width = width >= LEAST_COLUMNS or re.search(r"[\d:=]", line)
-            if not comment and len(words) > 2 and (len(words) == width or not of_other_width):
+            some = {axis_name(word) for word in words}
+            if len(words) == len(some) == width and any(some < each for each in axes):
+                fields = words  # names of axes, of which one is missing
+            elif not comment and len(words) > 2 and (len(words) == width or not of_other_width):
                 fields = words
             elif not comment and read_header([line]) == Header():
                 remarks.append(f"line {number} was skipped: {line[:60]!r}")
