@@ -1,4 +1,4 @@
-"""The configuration of a study: its files are merged and checked here, and converted to SI."""
+"""The configuration of a study: its sections are checked here, and converted to SI."""
 
 import functools
 import math

@@ -31,11 +31,12 @@ _ABOUT = (
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
-    """Return the joints of all cases of a study in one dataset, along ``case``.
+    """Join ``closed``, one dataset over ``realization`` for each of ``cases``, along ``case``.
 
-    ``closed`` are the joints of each case over ``realization``. The cases have their names, the
-    changed parameter and the properties of the rock as coordinates. Seeds are over case and
-    realisation.
+    Both lists have the same order. Coordinates of a case are its label, rock, parameter and level,
+    and in SI its value, JRC, maximum stress and the properties of its rock. ``seed`` is over case
+    and realisation. Indexes of all datasets must be equal, otherwise xarray raises `ValueError`.
+    Other coordinates are those of the first dataset.
     """
     study = xr.concat(closed, "case", join="exact", coords="minimal", compat="override")
     columns = {

@@ -1,4 +1,4 @@
-"""Reading of configuration files: plain YAML, which is checked before it is loaded."""
+"""Configuration files: plain YAML, checked before it is loaded, merged, and their provenance."""
 
 import copy
 import functools

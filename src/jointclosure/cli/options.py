@@ -175,10 +175,12 @@ def numbers(keyword: str, several: bool, single: bool, none: bool, text: str) ->
 
 
 def writable(suffixes: tuple[str, ...], text: str | Path) -> Path:
-    """Return the path of a file of results with one of the ``suffixes``; without any, of a folder.
+    """Return ``text`` as the path of a result: a file with one of the ``suffixes``, or a folder.
 
-    Raise `InputError` for another suffix, a file in the place of the folder, a missing parent
-    folder, or a folder whose record of its files cannot be read. Permissions are not checked.
+    It is that of a folder if there are no suffixes. Their case is ignored. Nothing is created or
+    written. Raise `InputError` if the suffix is another, the parent folder is missing, a file is in
+    the place of the folder, or the record of the folder cannot be read. Permissions are not
+    checked.
     """
     path = Path(text)
     if suffixes and path.suffix.lower() not in suffixes:

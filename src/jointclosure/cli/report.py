@@ -132,10 +132,11 @@ def files_of(folder: Path, start: Path) -> list[tuple[str, list[tuple[str, str]]
 
 
 def joint_content(history: xr.Dataset, curves: pd.DataFrame, record: dict) -> dict:
-    """Return the names and values that the template of a joint's page contains.
+    """Return what the template joint.html.j2 needs besides ``pictures`` and ``files``.
 
-    They are made of the contents of joint.nc (``history``), answer.csv (``curves``) and joint.json
-    (``record``).
+    It has all of ``record``, tables as HTML, and the functions ``text`` and ``with_choices`` of a
+    result and a cycle. Laws are fitted here. ``history`` is joint.nc, ``curves`` answer.csv and
+    ``record`` joint.json, as `close` writes them. Raise `KeyError` if an entry is missing.
     """
     laws = fitted_laws(history)
     about = {column: about for law in LAWS.values() for column, about in law.parameters.items()}

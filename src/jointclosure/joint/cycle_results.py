@@ -15,10 +15,11 @@ _LOOP_ROUNDING = 1e-12  # difference of closures over the closure, up to which i
 
 
 def unloading_excess(joint: xr.Dataset, minima: np.ndarray) -> np.ndarray:
-    """Return by how much unloading exceeds loading at equal closure, at most (cycles,) [Pa].
+    """Return the largest excess (cycles,) [Pa] of the stress of unloading over that of loading.
 
-    The excess of stress is at least 0. It is NaN in a cycle that was not unloaded to its minimum in
-    ``minima`` (cycles,) [Pa].
+    Both are compared at equal gross closure; the excess is at least 0. ``joint`` is a Dataset of
+    `simulate`. The excess is NaN where unloading did not end at or below the stress ``minima``
+    (cycles,) [Pa]. Closures below the first of a loading that did not start from 0 are left out.
     """
     history = history_of(joint)
     excess = np.full(len(minima), np.nan)

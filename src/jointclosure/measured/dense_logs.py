@@ -1,4 +1,4 @@
-"""Smoothing of dense logs of a testing machine: their scatter, spikes, loadings and averages.
+"""Branches of measured curves, and dense logs: their scatter, spikes, loadings and averages.
 
 A log has its points in the order of measurement, so that the number of a point is free of error,
 while stress and closure both scatter. Neighbouring points are therefore averaged by their number:

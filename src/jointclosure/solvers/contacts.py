@@ -273,9 +273,10 @@ def usable_start(force, field):
 
 @kernel
 def are_sound(contacts):
-    """Return whether all overlaps and compliances of contacts are finite, and no limit is wrong.
+    """Return whether contacts can be solved.
 
-    A limit is wrong if it is negative or NaN.
+    Their overlaps, the compliances of their asperities and that of the substrates must be finite,
+    and their limits of force at least 0, or infinite. Signs of compliances are not checked.
     """
     sound = np.isfinite(contacts.substrate)
     for i in range(contacts.overlap.size):

@@ -159,11 +159,12 @@ def displacement_between(wide, middle, place, sources, force):
 
 
 class RecentContacts:
-    """Cells (n,) that overlapped recently, and the influence matrix between them.
+    """Cells (n,) that overlapped recently, and the influence matrix between them, for one joint.
 
-    Nearly the same cells overlap from round to round, so that only the rows and columns of new
-    cells are computed. If less than four fifths of the cells overlap now, cells and matrix are
-    started again. ``matrix`` (m, m) [m/N], m >= n, is filled in its first n rows and columns.
+    ``table`` is that of `Influence`. Nearly the same cells overlap from one equilibrium to the
+    next, so that `slots`, which receives the cells that overlap now, computes only the rows and
+    columns of new cells. It starts again with these alone if the cells would otherwise be more than
+    1.25 times as many. ``matrix`` (m, m) [m/N], m >= n, is filled in its first n rows and columns.
     """
 
     def __init__(self, table: np.ndarray):

@@ -1,4 +1,4 @@
-"""State of a joint, and the interface of solvers."""
+"""State of a joint, and the functions that a solver has: settling, elastic curve, prediction."""
 
 import math
 from collections.abc import Callable
@@ -365,11 +365,11 @@ class Solver(Protocol):
 
     @property
     def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
-        """Function that solves a joint without breakage at total forces, or None, see `Solver`."""
+        """Function of a solver for elastic joints at total forces; None if the solver has none."""
 
     @property
     def predict(self) -> Callable[["Joint", float, float], tuple[float, Effort]] | None:
-        """Function that predicts the total force at a closure, or None, see `Solver`."""
+        """Function of a solver that predicts the total force at a closure; None if it has none."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m], in place, and return the state reached.

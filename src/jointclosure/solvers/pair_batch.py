@@ -140,10 +140,12 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 @kernel
 def assess(batch, n, allowed, rules):
-    """Compute curvatures, overlap and overlap ratio of pairs, and which pairs break.
+    """Set whether the first n pairs of a batch break, in place; return nothing.
 
-    A pair breaks if its overlap ratio, the overlap over the overlap at breakage, exceeds
-    ``allowed``.
+    Their ``curvature``, ``overlap``, ``overlap_ratio`` and ``breaks`` are set from heights,
+    approach and the fields of strength, which must be set before. The ratio is the overlap over
+    that at breakage, with the bound of strength if ``rules.bounded``. A pair breaks (1, else 0) if
+    the ratio exceeds ``allowed``. Locked pairs are not treated apart.
     """
     for i in range(n):
         for wall in range(2):

@@ -153,9 +153,11 @@ def parameters_without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[
 def resampled_pools(
     sensitivities: Mapping[Key, Sensitivity], random: np.random.Generator, pools: int
 ) -> Iterator[dict[Key, Sensitivity]]:
-    """Generate ``pools`` copies of ``sensitivities`` whose pools are bootstrap samples.
+    """Generate ``pools`` bootstrap copies of ``sensitivities``, a mapping to `Pool`.
 
-    Each has as many surfaces as the pool. Pools of one name have the same resampled surfaces.
+    In a copy every `Pool` has as many surfaces as before, drawn with replacement. Pools with the
+    same ``surfaces`` name have the same draws. Each copy draws from ``random`` when it is asked
+    for.
     """
     each = [pool for sensitivity in sensitivities.values() for pool in sensitivity.pools]
     sizes = {pool.surfaces: pool.values.shape[1] for pool in each}

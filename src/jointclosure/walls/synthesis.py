@@ -21,11 +21,12 @@ _LN2 = 0.6931471805599453  # natural logarithm of 2
 
 
 class Spectrum(NamedTuple):
-    """Power spectrum of the heights of synthetic walls.
+    """Power spectrum of the heights of synthetic walls, of any scale.
 
-    By the ``rule`` "self_affine" the power is k^(-2 (H + 1)) at wave number k, with the exponent H
-    ``hurst``; by the rule "walk" it is that of independent slopes, see `squares`. It is constant at
-    wavelengths beyond ``roll_off`` [cells]; None: without such a limit.
+    With the ``rule`` "self_affine" the power at wave number k [1/cell] is k^(-2 (H + 1)), with the
+    exponent H ``hurst``. With the rule "walk" it is that of heights fitted to independent random
+    slopes (see `squares`), and ``hurst`` is not used. It is constant at wavelengths beyond
+    ``roll_off`` [cells], unless that is None. Nothing is checked.
     """
 
     hurst: float

@@ -1,4 +1,4 @@
-"""Headers of scan files (texts, meshes, pictures): their statements of units, spacing and size."""
+"""Headers of scan files (texts, meshes, pictures): units, spacing and size of the matrix."""
 
 import re
 from collections.abc import Iterable, Sequence
