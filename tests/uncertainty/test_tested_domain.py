@@ -11,6 +11,7 @@ from benchmarks.range_coverage import ROUGH, SMOOTH, inputs
 from jointclosure.uncertainty import tested_domain
 from jointclosure.uncertainty.tested_domain import TESTED, beyond_tested
 from jointclosure.walls.gridding import Scan
+from jointclosure.walls.jrc import DEFAULT_RELATION, RELATIONS, z2_of_jrc
 from tests.joints import ELASTIC, SPACING, pair
 
 
@@ -56,6 +57,10 @@ def test_walls_inside_of_the_tested_domain_have_no_line(angle):
 @pytest.mark.parametrize(("first", "domain"), [(2000, SMOOTH), (ROUGH, TESTED)])
 def test_the_pairs_of_the_benchmark_are_the_tested_domain(first, domain):
     drawn = [inputs(number)[0] for number in range(first, first + 60)]
+    relation = RELATIONS[DEFAULT_RELATION]
+    for stated in drawn:
+        slope = z2_of_jrc(stated["jrc"], relation.interval, 0.8) * stated.get("steepness", 1.0)
+        stated["jrc"] = float(relation.jrc(slope))
     for name, most in domain._asdict().items():
         sizes = [abs(stated[name]) for stated in drawn]
         assert 0.9 * most < max(sizes) <= most

@@ -19,7 +19,7 @@ class Domain(NamedTuple):
     jrc: float
 
 
-TESTED = Domain(rotation=45.0, tilt=8.0, noise=15e-6, jrc=25.0)
+TESTED = Domain(rotation=45.0, tilt=8.0, noise=15e-6, jrc=30.0)
 """Pairs of known truth of benchmarks/range_coverage.py, by which ranges of results are tested."""
 
 
