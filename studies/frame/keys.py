@@ -127,7 +127,7 @@ read."""
 
 
 class Accuracy(Section):
-    """Accuracy that is requested of a study: surfaces are closed until it is reached."""
+    """Accuracy that is requested of a study: joints are simulated until it is reached."""
 
     within: Share = entry("Half of the 95 % confidence interval, relative.")
     of: Literal["mean", "interval", "stiffness"] = entry(

@@ -260,13 +260,12 @@ def _one_line(title: str) -> str:
 
 
 PAIRED_NOTE = (
-    "The same surfaces were closed at every level (`draws: common`), so the test is the paired t "
-    "test: of the differences on the same surface. What surfaces have in common at all levels "
-    "cancels in these. Its lengths approach 0 if closures change smoothly, whatever the "
-    "rock. Compare properties and rocks by elasticities, and do not compare a paired length with "
-    "the paper's. The unpaired test does not use what common surfaces have in common, and mostly "
-    "finds less on such draws. Its lengths stand beside because the paper's test is unpaired, on "
-    "independent draws."
+    "The same pairs of walls were simulated at every level (`draws: common`), so the test is the "
+    "paired t test, of the differences of each pair of walls. Its lengths approach 0 if closures "
+    "change smoothly, whatever the rock. Compare properties and rocks by elasticities, and do not "
+    "compare a paired length with the paper's. The unpaired test does not use that the walls are "
+    "the same, and mostly finds less. Its lengths stand beside because the paper's test is "
+    "unpaired, with other walls at each level."
 )
 """Reason for the paired test in a table of common draws."""
 

@@ -9,6 +9,7 @@ from jointclosure.walls import scan_quality
 from jointclosure.walls.gridding import Cloud, points_of
 from jointclosure.walls.scans import read_scan
 from jointclosure.walls.scans.points import _find_axis
+from jointclosure.walls.scans.sheet import check_sheet
 from jointclosure.walls.wall_roughness import measure_wall
 from tests.joints import SPACING
 from tests.walls.test_formats import STEP_MM
@@ -238,3 +239,14 @@ def test_noise_as_large_as_all_differences_states_no_change_of_the_slope(share, 
     line = scan_quality._error_caution("points scatter", 1e-10, share * 1e-10, 0.25e-3)
     assert ("raises the rms slope" in line) == separated
     assert ("noise and slopes cannot be separated here" in line) != separated
+
+
+@pytest.mark.parametrize("cells", [64, 96])
+@pytest.mark.parametrize("degrees", [0.02, 0.1, 0.6, 26.6, 44.5, 89.7])
+def test_points_of_a_turned_grid_lie_on_a_sheet_along_z(cells, degrees):
+    """Seen along x or y the rows of such a grid are steep lines, and no sheet."""
+    heights = jc.wall_pair(8.0, (cells, cells), SPACING, seed=1)[0]
+    y, x = SPACING * (np.indices(heights.shape) - 0.5 * cells)
+    cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    turned = np.stack([cosine * x - sine * y, sine * x + cosine * y, heights], axis=-1)
+    check_sheet(turned.reshape(-1, 3))

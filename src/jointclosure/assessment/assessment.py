@@ -271,6 +271,10 @@ class Assessment:
             "Differences are from the finest setting, or from the joint with all effects. Brackets "
             f"have 95 % intervals, from the scatter of {of}."
         )
+        words += (
+            " Net closure counts from the seating stress, and gross closure from first touch. Net "
+            "chord stiffness is the slope of net closure from half of the maximum stress on."
+        )
         if self._lone:
             words += (
                 " A difference without brackets is equal on all copies, which does not say how "

@@ -22,6 +22,10 @@ _SMOOTH = 0.5  # largest relative scatter of heights along x or y for a sheet al
 _ROUGH = 0.3  # relative scatter above which heights along z may be no heights of a sheet
 _APART = 0.55  # relative scatter above which a neighbourhood may contain two sheets
 
+_STEEPEST = 5.0
+"""Largest slope [1] of a neighbourhood along x or y on a sheet along that axis; chosen. On a grid
+that is turned by a small angle, rows seen along x or y are lines with a slope of one over it."""
+
 _TWO_LEVELS = 1.75  # median kurtosis of neighbourhoods below which they contain two sheets
 _FLAT = 1e-9  # deviation of all heights from their plane, over the heights, that is rounding
 _THIN = 0.05  # largest thickness of points, over their shorter side, for one rough or flat sheet
@@ -61,10 +65,11 @@ class _Neighbours(NamedTuple):
         return float(np.median(np.std(self.heights, axis=1))) / total
 
 
-def _neighbours(points: np.ndarray, axis: int) -> _Neighbours:
+def _neighbours(points: np.ndarray, axis: int, steepest: float = np.inf) -> _Neighbours:
     """Return neighbourhoods of points (n, 3) with heights along an axis (0: x, 1: y, 2: z).
 
-    They are those of at most `_SAMPLE` points, by distances across the axis.
+    They are those of at most `_SAMPLE` points, by distances across the axis. Planes with a slope
+    above ``steepest`` [1] are not taken from the heights of their neighbourhoods.
     """
     plan = np.delete(points, axis, axis=1)
     heights = points[:, axis]
@@ -79,7 +84,8 @@ def _neighbours(points: np.ndarray, axis: int) -> _Neighbours:
     slopes = np.linalg.pinv(np.swapaxes(around, 1, 2) @ around) @ (
         np.swapaxes(around, 1, 2) @ rest[..., None]
     )
-    return _Neighbours(rest - (around @ slopes)[..., 0], apart, level, heights)
+    used = np.linalg.norm(slopes, axis=1, keepdims=True) <= steepest
+    return _Neighbours(rest - (around @ (slopes * used))[..., 0], apart, level, heights)
 
 
 def check_sheet(points: np.ndarray) -> None:
@@ -145,7 +151,7 @@ def _check_upright(points: np.ndarray, scatter: float) -> None:
     thickness, directions = np.linalg.eigh(np.cov(points.T))
     thin = thickness[0] < _THIN**2 * thickness[1] and scatter > _ROUGH
     normal = int(np.abs(directions[:, 0]).argmax())
-    along = {axis: _neighbours(points, axis).scatter for axis in _TURNED}
+    along = {axis: _neighbours(points, axis, _STEEPEST).scatter for axis in _TURNED}
     axis = normal if thin and normal in along else min(along, key=lambda axis: along[axis])
     if (thin and axis == normal) or along[axis] < min(_SMOOTH, 0.5 * scatter):
         raise InputError(vertical(*_TURNED[axis]))
