@@ -61,9 +61,9 @@ def _of_settings(table: pd.DataFrame) -> list[str]:
         return []
     failed = counts[counts.failed > 0]
     total = int((counts.joints + counts.failed).max())
-    settings_text = ", ".join(counts.index)
+    settings_text = " and by ".join(counts.index)
     if not len(failed):
-        return [f"Of {total} joints that were simulated by {settings_text} none failed."]
+        return [f"None of {total} joints failed that were simulated by {settings_text}."]
     each = "; ".join(f"by {name} {row.failed:.0f} failed" for name, row in failed.iterrows())
     return [
         f"Of {total} joints that were simulated by {settings_text}: {each}. They are not stable."
