@@ -158,9 +158,9 @@ def assess_as_checked(
     first = (setting, 0, "as it is")
     of_first = simulated({setting: variants[setting]}, [first])
     others = [task for task in tasks_of(variants) if task != first]
-    in_first = sum(_relative_cost(variants[name]) for name, *_ in others)
-    of_one = float(of_first.seconds.iloc[0]) / _relative_cost(variants[setting])
-    forecast(len(others), in_first * of_one)
+    relative_time = sum(_relative_cost(variants[name]) for name, *_ in others)
+    first_seconds = float(of_first.seconds.iloc[0])
+    forecast(len(others), first_seconds * relative_time / _relative_cost(variants[setting]))
     closures = pd.concat([of_first, simulated(variants, others)], ignore_index=True)
     found = Assessment(closures, ladder, setting, within, budget)
     together = without_together(found, without_flow)

@@ -254,8 +254,12 @@ class Assessment:
     @property
     def _reasons_of_effects(self) -> list[str]:
         """Say of each group of effects that is needed which results show it."""
-        needed = self.effects[self.effects["needed by"] != ""]["needed by"]
-        return [f"{name}, beyond the request or failed: {shown}" for name, shown in needed.items()]
+        lines = []
+        for name, shown in self.effects["needed by"].items():
+            fails = self.verdict(str(name)) == NEEDED_AS_FAILS
+            words = "the simulation fails" if fails else "these change by more than the request"
+            lines += [f"{name} {words}: {shown}"] if shown else []
+        return lines
 
     def _seconds_text(self, variant: str) -> str:
         """Format the mean time of a joint, and the shortest and the longest."""

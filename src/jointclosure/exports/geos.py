@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.ensembles.quantities import CURVES
-from jointclosure.exports.hyperbola import STIFFNESS_DIFFERENCE
+from jointclosure.exports.hyperbola import LARGEST_DIFFERENCE
 from jointclosure.exports.loading import (
     BAND_LIMITS,
     CHOICES,
@@ -152,7 +152,7 @@ def geos_barton_bandis(joint: xr.Dataset, curves: pd.DataFrame, cycle: int = 1) 
     if of_choices := [error for suffix, error in errors.items() if suffix.endswith(CHOICES)]:
         largest = _error_text(*map(max, *of_choices, (0, 0)))
         remark += f"; with other choices of the model it is {largest}"
-    if max(share for _, share in errors.values()) > STIFFNESS_DIFFERENCE:
+    if max(share for _, share in errors.values()) > LARGEST_DIFFERENCE:
         tables = "the tables of geos.xml have the apertures themselves"
         remark = caution(f"{remark}; this law does not describe the joint: {tables}")
     remarks.insert(0, remark)

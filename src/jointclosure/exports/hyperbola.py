@@ -23,10 +23,9 @@ from jointclosure.statistics.number_texts import percent
 
 _PROGRAMS = "PorePy, UDEC, 3DEC"
 """Programs that receive constants of fitted hyperbolas."""
-STIFFNESS_DIFFERENCE = 0.5
-"""Relative difference between the stiffness of the fitted hyperbola and the stiffness of the joint
-above which the remark on it is a warning: a program that receives such a hyperbola has another
-joint."""
+LARGEST_DIFFERENCE = 0.5
+"""Relative difference between a fitted law and the joint, in stiffness or in aperture, above which
+the remark on it is a warning: a program that receives such a law has another joint."""
 
 
 class Hyperbola(NamedTuple):
@@ -155,7 +154,7 @@ def fitted_loading(joint: xr.Dataset, curves: pd.DataFrame, cycle: int) -> Fitte
     of_choices = [error for suffix, error in closure_errors.items() if suffix.endswith(CHOICES)]
     if of_choices:
         remark += f", with other choices of the model by up to {percent(max(of_choices))}"
-    if largest > STIFFNESS_DIFFERENCE:
+    if largest > LARGEST_DIFFERENCE:
         remark = caution(
             f"{remark}; joint_stiffness.dat has the stiffness of the joint itself, for programs "
             "that read tables"

@@ -15,6 +15,7 @@ FLAT = "flat"  # stands in place of a scan for a flat wall, such as a saw cut
 LARGEST_TILT = 20.0  # largest inclination [degrees] of a scan's mean plane; heights are along z
 REACH = 2.0  # largest distance of a cell with a height from the nearest point, in point distances
 MOST_CELLS_PER_POINT = 100  # of a grid; with more, nearly all cells are far from points
+USUAL_HURST = 0.8  # of rock, with which a slope is carried to another spacing or distance
 PAPER_SPACING = 0.25e-3  # of the paper's walls [m], at which relations of JRC are stated
 
 

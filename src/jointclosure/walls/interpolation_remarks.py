@@ -6,10 +6,9 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs.remarks import Caution, caution
-from jointclosure.walls.gridding import Cloud, Scan, node_counts, points_of
+from jointclosure.walls.gridding import USUAL_HURST, Cloud, Scan, node_counts, points_of
 from jointclosure.walls.planes import detrended_points
 
-_USUAL_HURST = 0.8  # with which a slope is carried to another distance
 _PAIRS = 0.75, 1.25
 """Distances of the points, in cells, whose height differences are compared with those of cells."""
 _SAMPLE = 20_000  # most nodes, and points, that are asked for their neighbours
@@ -56,7 +55,7 @@ def slopes_by_interpolation(
     apart = pairs.data / spacing
     used = apart > _PAIRS[0]
     bare = detrended_points(x, y, heights)
-    rise = (bare[pairs.row] - bare[some][pairs.col])[used] / apart[used] ** _USUAL_HURST
+    rise = (bare[pairs.row] - bare[some][pairs.col])[used] / apart[used] ** USUAL_HURST
     if not rise.any():
         return None
     along = [np.diff(wall, axis=axis) for axis in (0, 1)]

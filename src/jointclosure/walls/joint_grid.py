@@ -72,24 +72,11 @@ def joint_grid(
         If the walls overlap in too few cells, are too inclined, or the grid has too many cells.
     """
     spacing = prepared.spacing
-    upper = prepared.upper.scan
-    upper_at = None
-    if isinstance(upper, Scan):
-        plane = slopes_of(upper) if motion.tilt > LARGEST_TILT else (0.0, 0.0)
-        upper_at = moved_heights(upper, motion, plane)
-    lower = _interpolated_lower(prepared.lower, sampled.lower, spacing)
-    moved = _moved_points(points_of(upper, missing=True), motion)
-    finest = overlap_of(
-        [moved, sampled.lower_points],
-        spacing,
-        [point_distance(scan) for scan in (upper, sampled.lower)],
-        largest_filled_share,
-        (upper_at, lower.at if lower else None),
-    )
-    if prepared.flat_side:
-        finest = finest.with_flat_wall(prepared.flat_side)
-    points = {"upper": moved, "lower": lower.points if lower else sampled.lower_points}
-    slopes = {side: _slopes_of(finest, side, points[side], spacing) for side in prepared.qualities}
+    finest, points = overlap_in_position(motion, prepared, sampled, largest_filled_share)
+    slopes = {
+        side: slopes_by_interpolation(points[side], finest.scanned(side), spacing, *finest.box)
+        for side in prepared.qualities
+    }
     step = 1
     if resolved:
         waves = [quality.shortest_wave for quality in prepared.qualities.values()]
@@ -101,6 +88,33 @@ def joint_grid(
     if most_cells is not None:
         check_cells(overlap.upper.shape, grid.spacing, most_cells)
     return grid
+
+
+def overlap_in_position(
+    motion: Motion, prepared: PreparedScans, sampled: SampledScans, largest_filled_share: float
+) -> tuple[Overlap, dict[str, np.ndarray]]:
+    """Return the upper wall, moved, and the lower wall on the finest grid of their scans.
+
+    The second value are the scanned points (n, 3) [m] of each wall by its side, from which slopes
+    are taken. Arguments and errors are as for `joint_grid`.
+    """
+    upper = prepared.upper.scan
+    upper_at = None
+    if isinstance(upper, Scan):
+        plane = slopes_of(upper) if motion.tilt > LARGEST_TILT else (0.0, 0.0)
+        upper_at = moved_heights(upper, motion, plane)
+    lower = _interpolated_lower(prepared.lower, sampled.lower, prepared.spacing)
+    moved = _moved_points(points_of(upper, missing=True), motion)
+    overlap = overlap_of(
+        [moved, sampled.lower_points],
+        prepared.spacing,
+        [point_distance(scan) for scan in (upper, sampled.lower)],
+        largest_filled_share,
+        (upper_at, lower.at if lower else None),
+    )
+    if prepared.flat_side:
+        overlap = overlap.with_flat_wall(prepared.flat_side)
+    return overlap, {"upper": moved, "lower": lower.points if lower else sampled.lower_points}
 
 
 def _interpolated_lower(
@@ -131,16 +145,6 @@ def _interpolated_lower(
     cosine = 1.0 / np.sqrt(1.0 + plane[0] ** 2 + plane[1] ** 2)
     points[:, 2] = (heights - plane[0] * x - plane[1] * y) * cosine**1.5
     return _InterpolatedGrid(moved_heights(as_read, motion, plane), points)
-
-
-def _slopes_of(overlap: Overlap, side: str, points: np.ndarray, spacing: float) -> Slopes | None:
-    """Return the slopes of a wall at nodes, and between its scanned points (n, 3) [m].
-
-    Cells in holes have filled heights and are ignored. None if the wall was not interpolated.
-    """
-    holes = {"upper": overlap.upper_holes, "lower": overlap.lower_holes}[side]
-    known = np.where(holes, np.nan, getattr(overlap, side))
-    return slopes_by_interpolation(points, known, spacing, *overlap.box)
 
 
 def _moved_points(points: np.ndarray, motion: Motion) -> np.ndarray:

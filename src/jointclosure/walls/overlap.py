@@ -46,6 +46,11 @@ class Overlap(NamedTuple):
         """Cells (y, x) in which either scan has no height."""
         return self.upper_holes | self.lower_holes
 
+    def scanned(self, side: str) -> np.ndarray:
+        """Return the heights (y, x) [m] of the wall of a side, NaN in holes, which were filled."""
+        holes = {"upper": self.upper_holes, "lower": self.lower_holes}[side]
+        return np.where(holes, np.nan, {"upper": self.upper, "lower": self.lower}[side])
+
     @property
     def gap(self) -> np.ndarray:
         """Height (y, x) [m] of the upper wall above the lower one, below 0 where it lies lower."""

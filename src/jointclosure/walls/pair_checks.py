@@ -6,7 +6,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.walls import plausibility
 from jointclosure.walls.interpolation_remarks import interpolation_caution
-from jointclosure.walls.joint_grid import JointGrid, joint_grid
+from jointclosure.walls.joint_grid import JointGrid, overlap_in_position
 from jointclosure.walls.pair_remarks import (
     best_fit_remarks,
     coarser_grid_caution,
@@ -73,12 +73,10 @@ def _scan_remarks(grid: JointGrid, prepared: PreparedScans) -> list[str]:
 
     Cells in holes have filled heights and are ignored.
     """
-    holes = {"upper": grid.finest.upper_holes, "lower": grid.finest.lower_holes}
     remarks = []
     for side, quality in prepared.qualities.items():
-        known = np.where(holes[side], np.nan, getattr(grid.finest, side))
         lost = interpolation_caution(grid.slopes[side], grid.finest_spacing)
-        limits = quality_remarks(quality, known, grid.finest_spacing)
+        limits = quality_remarks(quality, grid.finest.scanned(side), grid.finest_spacing)
         remarks += with_side(side, [*lost, *limits])
     if grid.step > 1:
         remarks.append(coarser_grid_caution(grid.finest_spacing, grid.step))
@@ -100,10 +98,10 @@ def _apart_remarks(
         return []
     share = options.largest_filled_share
     try:
-        best = joint_grid(at_best_fit(mated), prepared, sampled, share, resolved=False)
+        best, _ = overlap_in_position(at_best_fit(mated), prepared, sampled, share)
     except InputError:  # the walls do not overlap there
         return []
-    return best_fit_remarks(pair, best.finest)
+    return best_fit_remarks(pair, best)
 
 
 def _clear_scale(pair: RegisteredPair) -> tuple[float, list[str]]:

@@ -1,5 +1,7 @@
 """Remarks on a registered pair of walls: sentences on its overlap, contact, mating and doubts."""
 
+import math
+
 import numpy as np
 
 from jointclosure.inputs.remarks import Caution, caution
@@ -7,6 +9,7 @@ from jointclosure.statistics.number_texts import grid_text, percent
 from jointclosure.statistics.standard_errors import CONFIDENCE
 from jointclosure.walls import plausibility
 from jointclosure.walls.mating import Mismatch
+from jointclosure.walls.motion import Motion
 from jointclosure.walls.overlap import Overlap
 from jointclosure.walls.registered_pair import RegisteredPair
 from jointclosure.walls.rotation_search import LEAST_OVERLAP
@@ -75,6 +78,19 @@ def best_fit_remarks(pair: RegisteredPair, best: Overlap) -> list[str]:
             "--shift scanned out if the scans were meant to mate"
         )
     ]
+
+
+def levelling_remark(levelling: Motion) -> str:
+    """Say that walls in a scanned position close along the normal of the joint, and not along z.
+
+    ``levelling`` turned the scans until they were level.
+    """
+    shift = math.sin(math.radians(levelling.tilt))
+    return (
+        f"the joint is inclined by {levelling.tilt:.2g} degrees in the scans: they were turned "
+        "until it is level, and the walls close along its normal. Each mm that the scans lie "
+        f"apart along their z axis becomes {shift:.2g} mm of shift along the joint"
+    )
 
 
 def width_remarks(pair: RegisteredPair) -> list[str]:

@@ -11,13 +11,12 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.walls.gridding import PAPER_SPACING
+from jointclosure.walls.gridding import PAPER_SPACING, USUAL_HURST
 from jointclosure.walls.planes import detrended_points
 from jointclosure.walls.wall_roughness import peak_cells
 
 _ROCK = 0.045, 0.9
 """Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
-_USUAL_HURST = 0.8  # with which a slope is carried to another spacing
 _CONFUSED = {
     2.54: "inches and cm",
     10.0: "cm and mm",
@@ -113,7 +112,7 @@ def _unlike_rock(slopes: dict[str, float], spacing: float) -> list[str]:
 
     Walls with the same question about their units share a sentence.
     """
-    low, high = np.array(_ROCK) * (spacing / PAPER_SPACING) ** (_USUAL_HURST - 1.0)
+    low, high = np.array(_ROCK) * (spacing / PAPER_SPACING) ** (USUAL_HURST - 1.0)
     unlike = {name: slope for name, slope in slopes.items() if not low <= slope <= high}
     by_question: dict[str, list[str]] = {}
     for name, slope in unlike.items():

@@ -1,6 +1,5 @@
 """Search for the orientation of the upper wall and for its position on the lower one."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from jointclosure.walls.gridding import LARGEST_TILT, Scan, points_of
 from jointclosure.walls.levelling import levelled
 from jointclosure.walls.motion import Motion, flip_about_middle, laid_on_nodes
 from jointclosure.walls.motion_fit import refined_motion
+from jointclosure.walls.pair_remarks import levelling_remark
 from jointclosure.walls.prepared_scans import PreparedScans, SampledScans
 from jointclosure.walls.registration_options import FLIPS, ORIENTATIONS, RegistrationOptions
 from jointclosure.walls.rotation_search import BLOCKS, CLEAR, SlopeFit, compare_rotations
@@ -49,6 +49,7 @@ class Position(NamedTuple):
     in_frame: bool  # whether both scans have one frame, in which the walls lie as scanned
     fit: BestFit  # from which the position was taken, unless the walls stay as scanned
     remarks: list[str]  # on the fit, then on the position
+    levelling: Motion | None = None  # by which scans whose scanned position is kept became level
 
     @property
     def confirmed(self) -> bool:
@@ -238,11 +239,11 @@ def _position_of(
     in_frame = fit.orientation == "common_frame" and (in_place or options.shift == "scanned")
     if options.shift == "scanned" or mated is None:
         remarks = ["the walls were left in their scanned position"]
-        if options.shift == "scanned" and prepared.lower.levelling is not None:
-            remarks.append(_levelling_remark(prepared.lower.levelling))
+        levelling = prepared.lower.levelling if options.shift == "scanned" else None
+        remarks += [levelling_remark(levelling)] if levelling else []
         if mated is not None and np.isfinite(mated.covariance).all():
             remarks += _rotation_remarks(mated, reach, spacing, options.unusual_values)
-        return Position(scanned, in_frame, fit, fit.remarks + remarks)
+        return Position(scanned, in_frame, fit, fit.remarks + remarks, levelling)
     motion = at_best_fit(mated)
     if isinstance(prepared.upper.scan, Scan):
         most = min(max(ON_NODES * spacing, 2.0 * mated.corner_error(reach)), 0.5 * spacing)
@@ -250,23 +251,6 @@ def _position_of(
         motion = laid_on_nodes(motion, prepared.upper.scan, corner, most)
     moved = f"the upper wall was {mated}, to the position of best fit"
     return Position(motion, in_frame, fit, [*fit.remarks, moved])
-
-
-LEVELLED = "the joint is inclined by "
-"""Beginning of the remark on inclined scans whose position is kept."""
-
-
-def _levelling_remark(levelling: Motion) -> str:
-    """Say that walls in a scanned position close along the normal of the joint, and not along z.
-
-    ``levelling`` turned the scans until they were level.
-    """
-    shift = math.sin(math.radians(levelling.tilt))
-    return (
-        f"{LEVELLED}{levelling.tilt:.2g} degrees in the scans: they were turned "
-        "until it is level, and the walls close along its normal. Each mm that the scans lie "
-        f"apart along their z axis becomes {shift:.2g} mm of shift along the joint"
-    )
 
 
 def at_best_fit(mated: Motion) -> Motion:

@@ -51,6 +51,7 @@ class RegisteredPair(NamedTuple):
     fine: FineWalls | None = None  # on the usual grid, if the scans only resolve a coarser one
     waves: tuple[float, float] = (0.0, 0.0)  # [m] below which the scans hold nothing; 0: all
     rounding: float = 0.0  # standard deviation [m] of the rounding of the sum of both walls
+    levelling: Motion | None = None  # by which scans whose scanned position is kept became level
     lost_square_slope: float = 0.0
     """Mean square slope [1] of both walls over a cell of the finest grid that interpolation took,
     by the slopes between scanned points (`interpolation_remarks.slopes_by_interpolation`)."""

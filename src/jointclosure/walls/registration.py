@@ -170,6 +170,7 @@ def _pair_on(grid: JointGrid, position: Position, prepared: PreparedScans) -> Re
         fine=fine,
         waves=prepared.shortest_waves,
         rounding=prepared.rounding_of_sum,
+        levelling=position.levelling,
         lost_square_slope=grid.lost_square_slope,
         scan_noise=tuple((side, *scan.noise) for side, scan in prepared.qualities.items()),
     )

@@ -2,8 +2,7 @@
 
 from jointclosure.inputs.remarks import cautions
 from jointclosure.statistics.number_texts import grid_text
-from jointclosure.walls.pair_remarks import describe_mating
-from jointclosure.walls.position_search import LEVELLED
+from jointclosure.walls.pair_remarks import describe_mating, levelling_remark
 from jointclosure.walls.registered_pair import RegisteredPair
 
 _ORDER = (
@@ -45,7 +44,7 @@ def _position(pair: RegisteredPair, has_range: bool) -> list[str]:
         return []
     if not pair.motion.covariance.any():
         of_range = ", which has no error in the range" if has_range else ""
-        levelled = [line for line in pair.remarks if line.startswith(LEVELLED)]
+        levelled = [levelling_remark(pair.levelling)] if pair.levelling else []
         return [f"the walls were left in their scanned position{of_range}", *levelled]
     motion = pair.mated or pair.motion
     angle, *errors = (pair.error_factor * error for error in motion.standard_errors())

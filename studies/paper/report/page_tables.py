@@ -314,9 +314,7 @@ _PREPARED: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "claims": judged,
     "conclusions": concluded,
     "hydraulic_aperture": flow,
-    "measured_fit": lambda table: table.assign(  # older tables have no points of the file
-        measured_points=table.get("measured_points", pd.Series(ABSENT, table.index))
-    ),
+    "measured_fit": pd.DataFrame,
     "table_3_joint_tests": with_errors_of_joint_tests,
     "elasticities": pd.DataFrame,
     "accuracy_reached": lambda table: table.assign(
